@@ -111,6 +111,16 @@ inline constexpr poll_plan plan_13{modbus::timing_at(115200), controlled(node<zl
     own_requests(node<zlac::device>{9}, milliseconds(500), 4)};
 inline constexpr poll_plan plan_14{modbus::timing_at(115200), controlled(node<zlac::device>{1}, unsupervised),
     own_requests(node<zlac::device>{9}, milliseconds(500), 125)};
+consteval node<zlac::device> quick(std::uint8_t address) {
+    node<zlac::device> n{address};
+    n.limits.response = n.gaps.quarantine = milliseconds(58);
+    return n;
+}
+constexpr supervision supervised_by_default{.feedback = milliseconds(20), .command_timeout = milliseconds(300)};
+inline constexpr poll_plan plan_16{modbus::timing_at(115200),
+    controlled(quick(1), supervised_by_default), controlled(quick(2), supervised_by_default),
+    cyclic<zlac::bus_voltage>(quick(1), milliseconds(200)), cyclic<zlac::bus_voltage>(quick(2), milliseconds(200)),
+    cyclic<zlac::status_word>(quick(1), milliseconds(100))};
 inline constexpr poll_plan plan_15{modbus::timing_at(115200), controlled(node<zlac::device>{1}, unsupervised),
     own_requests(node<zlac::device>{8}, milliseconds(1'700'000), 2)};
 // clang-format on

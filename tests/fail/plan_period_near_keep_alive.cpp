@@ -3,6 +3,7 @@
 //
 // A read that keeps a drive alive, so seldom that clocks which differ by a few per cent would miss the time.
 // EXPECT: a_drive_of_this_plan_could_miss_its_keep_alive
+// FIGURES: 1, 937500, 944940, 0, 1008
 // MEND: cyclic<zlac::status_word>(quick_node, milliseconds(900)).keeps_alive(milliseconds(1000))
 #include "program.hpp"
 

@@ -2,7 +2,8 @@
 # SPDX-License-Identifier: BSL-1.0
 """The wrong programs of this folder, each with one mistake that the compiler must refuse.
 
-programs.py refused PROGRAM COMPILER FLAG...   it does not compile, and the error contains the words after `// EXPECT:`
+programs.py refused PROGRAM COMPILER FLAG...   it does not compile, and the error contains the words after `// EXPECT:`,
+                                               and those after `// FIGURES:` if there are any
 programs.py all COMPILER FLAG...               so for each of them
 programs.py page                               makes README.md, the page of compile errors
 programs.py page --check                       fails if README.md is not that page, or control.cpp lacks a mend
@@ -18,8 +19,9 @@ HEAD = """# Compile errors and their mends
 
 Each of these lines is wrong and does not compile. The compiler's error, often a dozen lines, contains the words
 given here; look for them. `drive` is a client of a ZLAC8015D, `zlac` is `servobus::zlac8015d`, `units` is
-`servobus::units`. This page is made by `programs.py` from the programs beside it, which the tests compile with g++ and
-clang++.
+`servobus::units`. The figures of a plan's errors are explained in
+[plan_errors.hpp](../../include/servobus/bus/detail/plan_errors.hpp). This page is made by `programs.py` from the
+programs beside it, which the tests compile with g++ and clang++.
 """
 
 
@@ -28,6 +30,7 @@ class Program:
     name: str
     title: str = ""
     expected: str = ""
+    figures: str = ""
     mend: str = ""
     wrong: str = ""
 
@@ -41,12 +44,14 @@ def read(path):
     for line in path.read_text(encoding="utf-8").splitlines():
         if line.startswith("// EXPECT: "):
             program.expected = line[len("// EXPECT: ") :]
+        elif line.startswith("// FIGURES: "):
+            program.figures = line[len("// FIGURES: ") :]
         elif line.startswith("// MEND: "):
             program.mend = line[len("// MEND: ") :]
             is_mend = True
             continue
         elif is_mend and line.startswith("// "):
-            program.mend += " " + line[3:]
+            program.mend += ("\n" if line[3] in " }" else " ") + line[3:]
             continue
         elif line.startswith("#include"):
             code = code or []
@@ -76,8 +81,9 @@ def all_programs():
 def page(programs):
     text = HEAD
     for p in programs:
+        said = f"`{p.expected}`" + (f" and the figures `{p.figures}`" if p.figures else "")
         text += (
-            f"\n## {p.title}\n\n```cpp\n{p.wrong}\n```\n\nThe compiler says `{p.expected}`. Mend:\n\n"
+            f"\n## {p.title}\n\n```cpp\n{p.wrong}\n```\n\nThe compiler says {said}. Mend:\n\n"
             f"```cpp\n{p.mend.removeprefix('(void)')}\n```\n\n([{p.name}]({p.name}))\n"
         )
     return text
@@ -100,18 +106,21 @@ def check_page(programs):
 
 
 def refused(path, command):
-    expected = read(Path(path)).expected
+    program = read(Path(path))
     done = subprocess.run([*command, str(path)], capture_output=True, text=True, errors="replace")
     if done.returncode == 0:
         print(f"FAILED  {path} compiles")
         return 1
     said = done.stdout + done.stderr
-    for line in said.splitlines():
-        if expected in line and re.search(r"(error|note)[: ]|in call to|static assertion", line):
-            print(line)
-            return 0
-    print(f"FAILED  {path}: the error does not say \"{expected}\":\n{said}")
-    return 1
+    is_error = re.compile(r"(error|note)[: ]|in call to|expansion of|static assertion")
+    shown = [line for line in said.splitlines() if is_error.search(line)]
+    for expected in filter(None, (program.expected, program.figures)):
+        line = next((line for line in shown if expected in line), None)
+        if line is None:
+            print(f"FAILED  {path}: the error does not say \"{expected}\":\n{said}")
+            return 1
+        print(line)
+    return 0
 
 
 match sys.argv[1:]:

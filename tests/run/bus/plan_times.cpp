@@ -349,4 +349,55 @@ TEST_CASE("a sum of times that is too long for a duration is the longest one, fo
     CHECK(of_one_node.of(plan.polls[0]) < milliseconds(61'000));
 }
 
+TEST_CASE("G19: what the error of a keep-alive proposes mends the plan, and nothing less does") {
+    auto plan = all_kinds;
+    for (controlled_node& d : plan.controlled) d.by.feedback = milliseconds(20);
+    for (poll& p : plan.polls) {
+        p.limits.response = p.gaps.quarantine = milliseconds(400);
+        p.keep_alive = {};
+    }
+    controlled_node& watched = plan.controlled[0];
+    const auto is_allowed = [](const auto& of) { return detail::request_gaps{of}.are_allowed(); };
+    REQUIRE(watched.keep_alive != duration{});
+    REQUIRE(!is_allowed(plan));
+
+    SUBCASE("a shorter response limit and quarantine") {
+        const std::uint32_t most = detail::most_response_and_quarantine(plan);
+        const auto with = [&](std::uint32_t ms) {
+            auto changed = plan;
+            for (poll& p : changed.polls) p.limits.response = p.gaps.quarantine = milliseconds(ms);
+            return changed;
+        };
+        CHECK(most > 5);
+        CHECK(is_allowed(with(most)));
+        CHECK(!is_allowed(with(most + 1)));
+    }
+    SUBCASE("none is short enough") {
+        watched.keep_alive = milliseconds(20);
+        CHECK(detail::most_response_and_quarantine(plan) == 0);
+    }
+    SUBCASE("a longer watchdog") {
+        for (const duration feedback : {milliseconds(20), milliseconds(50'000)}) {
+            watched.by.feedback = feedback;
+            const auto ms = static_cast<std::uint32_t>(detail::request_gaps{plan}.needed(watched));
+            watched.keep_alive = at_least(milliseconds(ms));
+            CHECK(is_allowed(plan));
+            watched.keep_alive = at_least(milliseconds(ms - 2)); // what is rounded up is less than that
+            CHECK(!is_allowed(plan));
+        }
+    }
+    SUBCASE("a longer watchdog of a node that is only read") {
+        watched.keep_alive = {};
+        poll& read = plan.polls[0];
+        for (const duration period : {milliseconds(20), milliseconds(600'000)}) {
+            read.period = period;
+            const auto ms = static_cast<std::uint32_t>(detail::request_gaps{plan}.needed(read));
+            read.keep_alive = milliseconds(ms);
+            CHECK(is_allowed(plan));
+            read.keep_alive = milliseconds(ms - 2);
+            CHECK(!is_allowed(plan));
+        }
+    }
+}
+
 } // namespace plan_times_tests

@@ -12,6 +12,14 @@
 
 namespace servobus::detail {
 
+/// The longest time that may pass between two requests to a node, and what its keep-alive allows.
+struct verdict {
+    duration keep_alive{};
+    duration longest{};
+
+    constexpr bool is_allowed() const { return longest <= keep_alive; }
+};
+
 /// The longest times between two requests to the nodes of a plan, and whether each keep-alive allows them.
 template <class Plan> class request_gaps {
   public:
@@ -22,40 +30,45 @@ template <class Plan> class request_gaps {
         return bound{p.period} + times_.wait(p, others_.than(p.node_address));
     }
     constexpr duration of(const controlled_node& d) const { return bound{poll_period(d)} + wait_of_a_drive_; }
-    constexpr bool is_allowed(const poll& p) const {
-        if (p.keep_alive == duration{}) return true;
-        return of(p) <= p.keep_alive && p.period + times_.shortest(p) <= at_least(p.keep_alive);
+    // The time while other nodes respond too late. If that is allowed: the time while all respond, which must also be
+    // allowed if the clocks of node and program differ.
+    constexpr verdict judge(const poll& p) const {
+        if (p.keep_alive == duration{}) return {};
+        const verdict late{p.keep_alive, of(p)};
+        return late.is_allowed() ? verdict{at_least(p.keep_alive), p.period + times_.shortest(p)} : late;
     }
-    constexpr bool is_allowed(const controlled_node& d) const {
-        return !is_kept_alive(d) || of(d) <= d.keep_alive;
+    constexpr verdict judge(const controlled_node& d) const {
+        return is_kept_alive(d) ? verdict{d.keep_alive, of(d)} : verdict{};
     }
     constexpr bool are_allowed() const {
         for (std::size_t i = 0; i < Plan::size; ++i) {
-            if (!is_allowed(plan_.polls[i])) return false;
+            if (!judge(plan_.polls[i]).is_allowed()) return false;
         }
         for (std::size_t i = 0; i < Plan::drives; ++i) {
-            if (!is_allowed(plan_.controlled[i])) return false;
+            if (!judge(plan_.controlled[i]).is_allowed()) return false;
         }
         return true;
     }
 
     // The shortest keep-alive in milliseconds that allows its time, as `keeps_alive(..)` takes it.
-    constexpr std::uint64_t needed(const poll& p) const {
-        const std::uint64_t answered = stated(std::uint64_t{p.period.us} + times_.shortest(p).us);
-        const std::uint64_t gap = in_ms(of(p).us);
+    constexpr unsigned long needed(const poll& p) const {
+        const unsigned long answered = stated(std::uint64_t{p.period.us} + times_.shortest(p).us);
+        const unsigned long gap = in_ms(of(p).us);
         return answered < gap ? gap : answered;
     }
     // The drive is read every quarter of its keep-alive at least.
-    constexpr std::uint64_t needed(const controlled_node& d) const {
+    constexpr unsigned long needed(const controlled_node& d) const {
         const std::uint64_t wait = wait_of_a_drive_.time.us;
         const std::uint64_t period = d.by.feedback.us < wait / 3 ? d.by.feedback.us : wait / 3 + 1;
         return stated(wait + period);
     }
 
   private:
-    static constexpr std::uint64_t in_ms(std::uint64_t us) { return (us + 999) / 1000; }
-    // Clocks differ: `at_least` of it is the time.
-    static constexpr std::uint64_t stated(std::uint64_t us) { return in_ms(us * 16 / 15 + 1); }
+    static constexpr unsigned long in_ms(std::uint64_t us) {
+        return static_cast<unsigned long>((us + 999) / 1000);
+    }
+    // A keep-alive of which `at_least` is so long: clocks differ.
+    static constexpr unsigned long stated(std::uint64_t us) { return in_ms(us * 16 / 15 + 1); }
 
     const Plan& plan_;
     plan_times times_;
@@ -108,9 +121,10 @@ template <class Plan> consteval void check_plan(const Plan& of) {
         const duration gap = gaps.of(entry);
         if (own > longest_period || gap > longest_period)
             the_times_of_this_plan_are_longer_than_its_clock_can_tell(address, longer_of(own, gap).us);
-        if (!gaps.is_allowed(entry))
+        const verdict v = gaps.judge(entry);
+        if (!v.is_allowed())
             a_drive_of_this_plan_could_miss_its_keep_alive(
-                address, entry.keep_alive.us, gap.us, most_response_and_quarantine(of), gaps.needed(entry));
+                address, v.keep_alive.us, v.longest.us, most_response_and_quarantine(of), gaps.needed(entry));
     };
     for (std::size_t i = 0; i < Plan::size; ++i)
         check(of.polls[i].node_address, of.polls[i], of.polls[i].period);

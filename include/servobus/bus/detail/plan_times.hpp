@@ -40,6 +40,7 @@ struct other_entries {
     }
 };
 
+/// The times of a plan.
 struct plan_times {
     // Bytes of the frames of a facade.
     static constexpr std::size_t read_request = 8;
@@ -57,7 +58,7 @@ struct plan_times {
     bound longest_read = duration{};
 
     template <class Plan>
-    constexpr plan_times(const Plan& of) : timing{of.timing()}, drives{Plan::drives} { // NOLINT: a view of it
+    constexpr explicit plan_times(const Plan& of) : timing{of.timing()}, drives{Plan::drives} {
         for (std::size_t i = 0; i < Plan::size; ++i) note(of.polls[i].gaps, of.polls[i].limits);
         for (std::size_t i = 0; i < Plan::drives; ++i) {
             note(of.controlled[i].gaps, of.controlled[i].limits);
@@ -78,7 +79,7 @@ struct plan_times {
     constexpr duration shortest(const poll& p) const {
         return shortest(p.gaps, read_request, p.response_size());
     }
-    // Of the wire's time, in billionths.
+    // The share of the wire's time, in billionths.
     constexpr std::uint64_t load_of(const poll& p) const { return share(shortest(p), p.period); }
     constexpr std::uint64_t load_of(const requested_node& r) const {
         return share(longer_of(shortest(r.gaps, read_request, r.longest_response()),
@@ -131,7 +132,7 @@ struct plan_times {
         return longer_of(in_flight(r.limits.response, read_request, r.longest_response()),
                          in_flight(r.limits.response, r.longest_request(), 8));
     }
-    // Of a facade's frames.
+    // The longest of a facade's frames.
     constexpr bound in_flight_of_drives() const {
         if (drives == 0) return duration{};
         return longer_of(in_flight(longest_response, read_request, longest_read_response),
