@@ -19,6 +19,7 @@
 #include <utility>
 
 #include <servobus/bus/detail/drive_list.hpp>
+#include <servobus/bus/detail/read_order.hpp>
 #include <servobus/bus/detail/step_beside.hpp>
 #include <servobus/bus/plan.hpp>
 #include <servobus/control/facade.hpp>
@@ -58,7 +59,8 @@ template <const auto& Plan, class Line, class... Drives> class bus {
     /// Moves the drives and the reads on as far as they go without waiting. The drives are stepped here and nowhere
     /// else. Returns the time within which nothing happens unless a byte arrives.
     constexpr duration step() {
-        drop_invalid_values();
+        drop_values_of_lost_drives();
+        drop_old_values();
         duration idle = longest_idle;
         const auto note = [&idle](duration own) { idle = shorter_of(idle, own); };
         // Before another frame begins to leave.
@@ -124,19 +126,8 @@ template <const auto& Plan, class Line, class... Drives> class bus {
     /// drive of which nothing is known.
     template <std::size_t I>
     constexpr result<typename plan_type::template values<I>> latest(duration oldest) const {
-        using values = typename plan_type::template values<I>;
-        const state& s = states_[I];
-        if (!is_known(I)) return errc::needs_init;
-        if (!s.has_values || since(s.taken, line_->now()) > oldest)
-            return s.why.error() == errc::ok ? status{errc::timeout} : s.why;
-        if constexpr (values::has_pairs) {
-            if (order_of(I) == word_order::unknown) return errc::needs_word_order;
-            if (order_of(I) != s.taken_in) return errc::timeout;
-        }
-        values v{s.taken_in};
-        const auto words = v.words();
-        for (std::size_t i = 0; i < words.size(); ++i) words[i] = words_[Plan.offset_of(I) + i];
-        return v;
+        return latest_of<typename plan_type::template values<I>>(I, plan_type::offsets.words_before[I],
+                                                                 oldest);
     }
     /// The word order of 32-bit values, as `client::learn_word_order` found it, for all cyclic reads of a node without a
     /// facade; a controlled drive has its own. It is invalid as soon as a request to the node got no response, also one
@@ -167,6 +158,7 @@ template <const auto& Plan, class Line, class... Drives> class bus {
     static constexpr std::size_t others_number = Plan.drives + 1; // the program's own requests
     static constexpr std::size_t nothing = Plan.drives + 2;
     static constexpr duration longest_idle = milliseconds(5);
+    static constexpr duration longest_pause = milliseconds(1000); // between searches through all reads
 
     struct state {
         instant due{};
@@ -175,9 +167,18 @@ template <const auto& Plan, class Line, class... Drives> class bus {
         status why{};
         std::uint8_t failures = 0;
         bool has_values = false;
-        verified<word_order> order{word_order::high_first, {}};
-        word_order taken_in = word_order::high_first;
+        [[no_unique_address]] detail::read_order<Plan.has_pairs> order;
     };
+
+    // The drives that have cyclic reads.
+    struct flags {
+        bool of[Plan.drives + 1]{};
+    };
+    static constexpr flags has_reads = [] {
+        flags has{};
+        for (std::size_t i = 0; i < size; ++i) has.of[Plan.drive_at(Plan.polls[i].node_address)] = true;
+        return has;
+    }();
 
     template <std::size_t... I> static constexpr void check(std::index_sequence<I...>) {
         static_assert((std::is_base_of_v<facade<typename plan_type::template model<I>, Line>, Drives> && ...),
@@ -230,6 +231,28 @@ template <const auto& Plan, class Line, class... Drives> class bus {
 
     // --- What is known of a node
 
+    // Ok, or the reason why a read has no values that are young enough.
+    constexpr status why_not(std::size_t i, duration oldest, [[maybe_unused]] bool is_of_pairs) const {
+        const state& s = states_[i];
+        if (!is_known(i)) return errc::needs_init;
+        const instant now = line_->now();
+        if (!has_values(s, now) || since(s.taken, now) > oldest)
+            return s.why.error() == errc::ok ? status{errc::timeout} : s.why;
+        if constexpr (Plan.has_pairs) {
+            if (is_of_pairs && order_of(i) == word_order::unknown) return errc::needs_word_order;
+            if (is_of_pairs && order_of(i) != s.order.taken_in) return errc::timeout;
+        }
+        return {};
+    }
+    template <class Values>
+    constexpr result<Values> latest_of(std::size_t i, std::size_t offset, duration oldest) const {
+        if (const status why = why_not(i, oldest, Values::has_pairs); !why) return why;
+        Values v{taken_in(i)};
+        const auto words = v.words();
+        for (std::size_t k = 0; k < words.size(); ++k) words[k] = words_[offset + k];
+        return v;
+    }
+
     // Calls `call(drive)` with the facade of read number `i`'s node, if it has one.
     template <class Call> constexpr void with_drive_of(std::size_t i, Call&& call) const {
         const std::size_t own = Plan.drive_at(Plan.polls[i].node_address);
@@ -248,35 +271,57 @@ template <const auto& Plan, class Line, class... Drives> class bus {
         with_drive_of(i, [&](const auto& drive) { is = scheduling::is_known(drive); });
         return is;
     }
-    constexpr void use_word_order(std::size_t i, word_order order) {
-        states_[i].order = {order, line_->epoch(Plan.polls[i].node_address)};
+    constexpr void use_word_order([[maybe_unused]] std::size_t i, [[maybe_unused]] word_order order) {
+        if constexpr (Plan.has_pairs)
+            states_[i].order.learned = {order, line_->epoch(Plan.polls[i].node_address)};
+    }
+    // The word order of a read's values; without 32-bit values there is none.
+    constexpr word_order taken_in([[maybe_unused]] std::size_t i) const {
+        if constexpr (Plan.has_pairs)
+            return states_[i].order.taken_in;
+        else
+            return word_order::high_first;
     }
     // That of its facade. Else what the node was made with, if it may have restarted since its word order was learned.
     constexpr word_order order_of(std::size_t i) const {
-        const bool holds = states_[i].order.holds(line_->epoch(Plan.polls[i].node_address));
-        word_order order = holds ? states_[i].order.value : Plan.polls[i].word_order;
+        const verified<word_order>& learned = states_[i].order.learned;
+        const bool holds = learned.holds(line_->epoch(Plan.polls[i].node_address));
+        word_order order = holds ? learned.value : Plan.polls[i].word_order;
         with_drive_of(i, [&](const auto& drive) {
             if constexpr (requires { drive.current_word_order(); }) order = drive.current_word_order();
         });
         return order;
     }
-    // Values of a drive that is not known any more, or so old that the clock wraps.
-    constexpr void drop_invalid_values() {
-        const instant now = line_->now();
-        for (std::size_t i = 0; i < size; ++i) {
-            state& s = states_[i];
-            if (since(s.taken, now) > longest_period) s.has_values = false;
-            if (may_be_read(i)) continue;
-            s.has_values = false;
-            s.failures = 0;
+    // Drops the values of reads whose drive is not known any more. Such a read is due as soon as it is known again.
+    constexpr void drop_values_of_lost_drives() {
+        if constexpr (Plan.drives != 0) {
+            drives_.each([this](std::size_t k, auto& drive) {
+                if (!has_reads.of[k] || scheduling::may_be_read(drive)) return;
+                for (std::size_t i = 0; i < size; ++i) {
+                    if (Plan.polls[i].node_address != Plan.controlled[k].address) continue;
+                    states_[i].has_values = false;
+                    states_[i].failures = 0;
+                }
+                pause_ = {};
+            });
         }
+    }
+    // Drops values so old that the clock may wrap: they would seem new then.
+    constexpr void drop_old_values() {
+        const instant now = line_->now();
+        if (since(dropped_at_, now) < longest_pause) return;
+        dropped_at_ = now;
+        for (state& s : states_) s.has_values = has_values(s, now);
+    }
+    constexpr bool has_values(const state& s, instant now) const {
+        return s.has_values && since(s.taken, now) <= longest_period;
     }
     // A keep-alive read does not back off until the node's own watchdog has passed: the node may still receive it.
     constexpr bool is_asked_less(std::size_t i, instant now) const {
         const state& s = states_[i];
         const duration alive = Plan.polls[i].keep_alive;
         return s.failures >= Plan.rules().failures &&
-               (alive == duration{} || !s.has_values || since(s.taken, now) > alive);
+               (alive == duration{} || !has_values(s, now) || since(s.taken, now) > alive);
     }
 
     // --- The cyclic reads
@@ -304,12 +349,16 @@ template <const auto& Plan, class Line, class... Drives> class bus {
             return {};
         }
     }
-    // Begins the read that has waited longest. Returns the time to the next one.
+    // Begins the read that has waited longest. Returns the time to the next one. A search that finds none is not
+    // repeated before the first is due: a step costs the same, however many reads there are.
     constexpr duration begin_due() {
         const instant now = line_->now();
+        if (const duration passed = since(searched_at_, now); passed < pause_)
+            return shorter_of(pause_ - passed, longest_idle);
         std::size_t best = none;
         duration waited{};
-        duration next = longest_idle;
+        duration next = longest_pause;
+        bool is_any_lost = false; // it is due as soon as its drive is known
         for (std::size_t i = 0; i < size; ++i) {
             const state& s = states_[i];
             const duration ahead = since(now, s.due); // beyond a period the clock has jumped or wrapped
@@ -318,13 +367,15 @@ template <const auto& Plan, class Line, class... Drives> class bus {
             } else if (is_asked_less(i, now) && since(last_retry_, now) < Plan.rules().retry_every) {
                 next = shorter_of(next, Plan.rules().retry_every - since(last_retry_, now));
             } else if (!may_be_read(i)) {
-                continue;
+                is_any_lost = true;
             } else if (best == none || since(s.due, now) > waited) {
                 best = i;
                 waited = since(s.due, now);
             }
         }
-        if (best == none) return next;
+        searched_at_ = now;
+        pause_ = best == none && !is_any_lost ? next : duration{};
+        if (best == none) return shorter_of(next, longest_idle);
         schedule(best, now);
         begin(best);
         return {};
@@ -353,7 +404,7 @@ template <const auto& Plan, class Line, class... Drives> class bus {
             const std::size_t at = Plan.offset_of(reading_);
             for (std::size_t i = 0; i < exchange_.words().size(); ++i) words_[at + i] = exchange_.words()[i];
             s.taken = line_->began_at();
-            s.taken_in = order_of(reading_);
+            if constexpr (Plan.has_pairs) s.order.taken_in = order_of(reading_);
             s.has_values = true;
             ++s.count;
         }
@@ -377,6 +428,9 @@ template <const auto& Plan, class Line, class... Drives> class bus {
     std::uint8_t request_[8]{};
     modbus::exchange exchange_{};
     instant last_retry_{};
+    instant searched_at_{}; // for a read that is due
+    duration pause_{};      // after that, within which none becomes due
+    instant dropped_at_{};  // old values
     std::size_t reading_ = none;
 };
 

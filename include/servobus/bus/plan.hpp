@@ -44,6 +44,8 @@ template <class... Entries> class poll_plan {
     static_assert(size + drives != 0, "a plan has a drive or reads something");
     static constexpr std::size_t words = entries::words; ///< of all cyclic reads
     static constexpr std::size_t response_room = entries::longest_response;
+    static constexpr bool has_pairs = entries::reads_with_pairs != 0; ///< a read has 32-bit values
+    static constexpr const auto& offsets = entries::of_reads;         ///< where the words of each read begin
     /// Of read number `I`, and the model of drive number `I`, in the order of the plan.
     template <std::size_t I> using values = typename entries::template read<I>::values;
     template <std::size_t I> using model = typename entries::template drive<I>;
@@ -51,9 +53,8 @@ template <class... Entries> class poll_plan {
     /// A plan that cannot be kept does not compile.
     consteval poll_plan(modbus::rtu_timing timing, Entries... all) : timing_{timing} {
         numbers next{};
-        const bool added[] = {
-            add(all, next)...}; // no fold expression: clang++ takes at most 256 entries in one
-        (void)added;
+        // No fold expression: clang++ takes at most 256 entries in one.
+        [[maybe_unused]] const bool added[] = {add(all, next)...};
         detail::check_plan(*this);
     }
 
@@ -211,7 +212,7 @@ template <class... Entries> class poll_plan {
     requested_node requests[requested == 0 ? 1 : requested]{};
 
   private:
-    // Of the entries that are added, the next of each kind.
+    // The next entry of each kind, while they are added.
     struct numbers {
         std::size_t read = 0;
         std::size_t drive = 0;

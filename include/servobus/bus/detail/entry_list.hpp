@@ -26,6 +26,9 @@ template <class T> inline constexpr std::size_t words_of_entry = 0;
 template <const auto&... Rs>
 inline constexpr std::size_t words_of_entry<cyclic_read<Rs...>> = readings<Rs...>::plan.words;
 
+template <class T> inline constexpr bool has_pairs = false;
+template <const auto&... Rs> inline constexpr bool has_pairs<cyclic_read<Rs...>> = readings<Rs...>::has_pairs;
+
 template <class T> struct model_of_entry;
 template <class Model> struct model_of_entry<controlled_drive<Model>> { using type = Model; };
 
@@ -57,6 +60,7 @@ template <class... Entries> struct entry_list {
     static constexpr std::size_t drives = count(drive_kinds);
     static constexpr std::size_t requested = count({is_requested<Entries>..., false});
     static constexpr std::size_t rules = count({std::is_same_v<Entries, back_off>..., false});
+    static constexpr std::size_t reads_with_pairs = count({has_pairs<Entries>..., false});
     static constexpr std::size_t words = [] {
         std::size_t sum = 0;
         for (const std::size_t own : words_of) sum += own;

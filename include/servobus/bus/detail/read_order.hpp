@@ -1,0 +1,18 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// What a bus keeps of the word order of a cyclic read. A plan without 32-bit values needs none of it.
+#pragma once
+
+#include <servobus/core/epoch.hpp>
+#include <servobus/registers/wire.hpp>
+
+namespace servobus::detail {
+
+template <bool HasPairs> struct read_order {
+    verified<word_order> learned{word_order::high_first, {}};
+    word_order taken_in = word_order::high_first; ///< of the values
+};
+template <> struct read_order<false> {};
+
+} // namespace servobus::detail
