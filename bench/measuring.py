@@ -91,20 +91,23 @@ def bytes_on(core, text):
     return [int(size) for size in must("arm-none-eabi-size", made).splitlines()[1].split()[:3]]
 
 
-def compiler_instructions(texts):
-    """The instructions that the compiler proper (cc1plus) executes for each of these sources, by their text.
+def compiler_instructions(texts, compiler="g++"):
+    """The instructions that the compiler proper executes for each of these sources, by their text.
 
     They are the same in every run with one compiler. Cachegrind takes three fifths of the time of callgrind, which also
     follows the calls, and counts half a percent more.
     """
+    count = ("valgrind", "--tool=cachegrind", "--cache-sim=no", "--cachegrind-out-file=/dev/null")
+    # g++ is a driver that starts cc1plus; clang++ is the compiler itself.
+    command = ["g++", "-wrapper", ",".join(count)] if compiler == "g++" else [*count, compiler]
+
     def counted(number, text):
-        source = folder / f"{number}.cpp"
+        source = folder / f"{compiler}{number}.cpp"
         source.write_text(text)
-        said = must("g++", "-wrapper", "valgrind,--tool=cachegrind,--cache-sim=no,--cachegrind-out-file=/dev/null",
-                    *SYNTAX, source)
+        said = must(*command, *SYNTAX, source)
         return int(re.search(r"I +refs: +([\d,]+)", said)[1].replace(",", ""))
 
-    need("g++", "g++")
+    need(compiler, compiler.removesuffix("++") if "clang" in compiler else compiler)
     need("valgrind", "valgrind")
     texts = list(dict.fromkeys(texts))
     return dict(zip(texts, side_by_side(counted, range(len(texts)), texts)))

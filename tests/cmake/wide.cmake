@@ -69,6 +69,7 @@ check(figures.instructions.gcc LABELS figures COST 20 COMMAND ${python} bench/in
 check(figures.instructions.clang LABELS figures COST 20 ENVIRONMENT CXX=clang++ COMMAND ${python} bench/instructions.py)
 check(figures.compile_cost LABELS figures COST 70 COMMAND ${python} bench/compile_cost.py)
 check(figures.include_cost LABELS figures COST 25 COMMAND ${python} bench/include_cost.py --bounds)
+check(figures.plan_cost LABELS figures COST 60 COMMAND ${python} bench/plan_cost.py)
 check(figures.bus LABELS figures COMMAND ${python} bench/bus.py)
 check(figures.page LABELS figures docs COMMAND ${python} bench/readme.py --check)
 check(figures.plots LABELS figures docs COMMAND ${python} bench/plot.py --check)

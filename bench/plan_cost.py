@@ -1,0 +1,73 @@
+# SPDX-FileCopyrightText: The servobus authors
+# SPDX-License-Identifier: BSL-1.0
+"""The cost of many cyclic reads in the plan of a bus.
+
+Compiling: the instructions that the compilers execute for a program that makes a bus of the plan, steps it and asks for
+the values of each read. Fails if 247 reads, one of each node that a line can have, cost more than their bound (for
+g++ 12 and clang++ 14), or if a read among 247 costs more than 1.5 times as much as one among 62: the compiler's work
+must not grow with the square of the number of reads. A bound is 10 % above the counted figure.
+
+Running: the instructions of a step while no read is due (bench_idle_step.cpp). Fails if they are more with 60 reads
+than with 2, but for a tenth.
+
+Valgrind counts them, so they are the same in every run with one compiler.
+"""
+import re
+import sys
+
+from measuring import ROOT, built, compiler_instructions, run
+
+FEW, MANY = 62, 247
+BOUNDS = {"g++": 1520, "clang++": 2200}  # millions, for MANY without the headers
+HEAD = """#include <servobus/servobus.hpp>
+using namespace servobus;
+struct meter { static constexpr profile facts{.name = "meter"}; };
+constexpr reg<u16, access::ro, meter> level{0x0010, full<u16>, no_unit, no_default};
+struct uart {
+    transfer send(bytes);
+    bool sent();
+    transfer receive(byte_buffer);
+    instant now();
+};
+"""
+
+
+def source(reads):
+    """A bus with so many reads of different nodes."""
+    entries = ",\n    ".join(f"cyclic<level>(node<meter>{{{i + 1}}}, milliseconds(5000))" for i in range(reads))
+    values = "".join(f"    if (const auto seen = all.latest<{i}>(milliseconds(9000))) sum += seen->get<level>();\n"
+                     for i in range(reads))
+    return (f"{HEAD}inline constexpr poll_plan plan{{modbus::timing_at(115200),\n    {entries}}};\n"
+            "unsigned step(line<uart>& wire) {\n    auto all = make_bus<plan>(wire);\n"
+            f"    unsigned sum = all.step().us;\n{values}    return sum;\n}}\n")
+
+
+def print_costs(compiler):
+    """False if a figure is above its bound."""
+    texts = {reads: source(reads) for reads in (1, FEW, MANY)}
+    counted = compiler_instructions(texts.values(), compiler)
+    few, many = (counted[texts[reads]] - counted[texts[1]] for reads in (FEW, MANY))
+    growth = (many / (MANY - 1)) / (few / (FEW - 1))
+    millions, bound = many // 1_000_000, BOUNDS[compiler]
+    verdict = "" if millions <= bound else "  ABOVE ITS BOUND"
+    verdict += "" if growth <= 1.5 else "  NOT LINEAR"
+    print(f"{compiler:10}{few // 1_000_000:12}{millions:12}{bound:12}{growth:16.2f}{verdict}")
+    return not verdict
+
+
+def idle_step(program, reads):
+    """The instructions of a step while no read is due."""
+    def counted(steps):
+        done = run("valgrind", "--tool=callgrind", "--callgrind-out-file=/dev/null", program, reads, steps)
+        return int(re.search(r"Collected : *(\d+)", done.stdout)[1])
+
+    return (counted(3000) - counted(1000)) // 2000
+
+
+print(f"{'compiler':10}{f'{FEW} reads':>12}{f'{MANY} reads':>12}{'bound':>12}{'growth a read':>16}  (million instr.)")
+passes = [print_costs(compiler) for compiler in BOUNDS]
+program = built("idle_step", ROOT / "bench/bench_idle_step.cpp")
+two, sixty = (idle_step(program, reads) for reads in (2, 60))
+passes.append(10 * sixty <= 11 * two)
+print(f"an idle step with 2 reads: {two} instructions, with 60: {sixty}{'' if passes[-1] else '  NOT CONSTANT'}")
+sys.exit(not all(passes))
