@@ -120,6 +120,20 @@ foreach(source IN LISTS unit_sources)
   target_compile_options(${name} PRIVATE ${level})
   add_custom_target(unit.${name} COMMAND ${CMAKE_CROSSCOMPILING_EMULATOR} $<TARGET_FILE:${name}> USES_TERMINAL)
 endforeach()
+# The code of small cores on this host; the other configurations of part of the tests are of small cores themselves.
+if(NOT SERVOBUS_UNIT_FOLDERS)
+  file(GLOB small_core_sources CONFIGURE_DEPENDS run/modbus/exchange*.cpp run/client/call_worlds.cpp
+       run/client/client_retries.cpp run/line/bad_input.cpp run/line/bytes_at_once.cpp run/line/failed_sends.cpp
+       run/line/line_leftovers.cpp run/line/line_steps.cpp run/line/stuck_ports.cpp run/line/wire_times.cpp
+       support/small_core/is_small.cpp)
+  add_executable(small_core_tests ${small_core_sources} $<TARGET_OBJECTS:unit_main>)
+  target_include_directories(small_core_tests BEFORE PRIVATE support/small_core)
+  target_link_libraries(small_core_tests PRIVATE unit_settings)
+  target_compile_options(small_core_tests PRIVATE -O1)
+  set_target_properties(small_core_tests PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 0)
+  check(unit.small_core LABELS unit fast COST 5 COMMAND ${CMAKE_CROSSCOMPILING_EMULATOR} $<TARGET_FILE:small_core_tests>)
+  add_dependencies(servobus_tests small_core_tests)
+endif()
 # Each case belongs to one of these sources, or it would not run.
 check(unit.no_other LABELS unit fast COMMAND ${unit_tests} --source-file-exclude=*/tests/run/*)
 set_tests_properties(unit.no_other PROPERTIES PASS_REGULAR_EXPRESSION "${nothing_ran}")

@@ -17,6 +17,7 @@ template <class Base = scripted_port> struct stalling_port : Base {
     std::uint64_t called = 0;
     bool is_armed = false;
     unsigned stalls = 0;
+    std::uint64_t stalled = 0; ///< when it did
     bool is_over = false; ///< it stalled long after the last byte, where it makes no difference
 
     bool sent() {
@@ -32,6 +33,7 @@ template <class Base = scripted_port> struct stalling_port : Base {
     void look() {
         if (stalls_at == 0 || !is_armed || called++ != stalls_at) return;
         is_over = Base::not_yet_received() == 0 && Base::time > Base::last_heard + 4'000;
+        stalled = Base::time;
         Base::time += stall_us;
         ++stalls;
     }

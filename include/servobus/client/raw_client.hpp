@@ -19,6 +19,7 @@
 #include <servobus/client/ram_only.hpp>
 #include <servobus/client/request_machine.hpp>
 #include <servobus/core/slice.hpp>
+#include <servobus/core/small_core.hpp>
 #include <servobus/line/line.hpp>
 #include <servobus/registers/unit.hpp>
 
@@ -203,7 +204,7 @@ class raw_client : protected detail::node_link<Line, Device, Node> {
             return run<IsBroadcast>(exchange_for<IsBroadcast>::trusted(request, response, node_.limits,
                                                                        is_single, node_.priority));
         } else {
-            constexpr bool is_host = sizeof(std::size_t) >= 8;
+            constexpr bool is_host = !detail::is_small_core;
             if constexpr (is_host)
                 return run<IsBroadcast>(
                     exchange::trusted(request, response, line_->timing(), node_.limits, node_.priority));

@@ -7,12 +7,11 @@
 // a setting of the line, whose response may be the last. Blocking and stepped calls are loops over this machine:
 // they build the frames and carry them.
 //
-//     constexpr node<zlac8015d::device> of{1};
-//     constexpr auto end = [](request_machine call, status came, bool is_ruled_out) {
-//         while (call.goes_on(came, of, true, is_ruled_out)) {} // each time: carry the request of `call.now()`
-//         return came;
-//     };
-//     static_assert(end(request_machine::write(), status::sent(errc::ok), false) == errc::own_echo);
+//     const node<zlac8015d::device> of{1};
+//     request_machine call = request_machine::write();
+//     status why = status::sent(errc::ok); // of its request; then each time of the request of `call.now()`
+//     while (call.goes_on(why, of, true, false)) {}
+//     if (why.error() != errc::own_echo) return 1;
 #pragma once
 
 #include <cstdint>

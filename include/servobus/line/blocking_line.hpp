@@ -197,8 +197,8 @@ class blocking_line : modbus::gathering<std::uint8_t> {
     // With strict timing a shorter gap ends every frame.
     static constexpr bool has_pauses = gap_inside > pause;
 
-    // Bytes that are there are taken without a look at the clock between them; but not with strict timing, where a
-    // stall of the program between two of them could hide a gap on the wire.
+    // Bytes that are there are taken without a look at the clock between them; but not with strict timing, which
+    // judges the time before each of them.
     static constexpr bool takes_at_once = Timing.mode != modbus::timing_mode::strict;
 
     static constexpr duration unknown{0x8000'0000}; // `is_past`, also some time later

@@ -19,6 +19,7 @@
 
 #include <servobus/core/epoch.hpp>
 #include <servobus/core/response_limits.hpp>
+#include <servobus/core/small_core.hpp>
 #include <servobus/line/detail/arbiter.hpp>
 #include <servobus/line/detail/chunk.hpp>
 #include <servobus/line/detail/epoch_counters.hpp>
@@ -174,7 +175,7 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
     }
 
   private:
-    static constexpr bool is_host = sizeof(std::size_t) >= 8;
+    static constexpr bool is_host = !detail::is_small_core;
 
     static constexpr bool is_stop(const exchange& x) { return x.priority() == priority::stop; }
     static constexpr std::uint16_t whole = 0xFFFF; // which is -1: less than any number of bytes

@@ -28,6 +28,7 @@
 #include <servobus/core/bytes.hpp>
 #include <servobus/core/response_limits.hpp>
 #include <servobus/core/result.hpp>
+#include <servobus/core/small_core.hpp>
 #include <servobus/core/time.hpp>
 #include <servobus/modbus/gathering.hpp>
 #include <servobus/modbus/rtu.hpp>
@@ -275,7 +276,7 @@ template <crc_engine Crc = default_crc> class basic_exchange : gathering<std::ui
     }
 
     static constexpr std::size_t exception_frame = 5;
-    static constexpr bool is_host = sizeof(std::size_t) >= 8;
+    static constexpr bool is_host = !servobus::detail::is_small_core;
 
     static constexpr bool is_sound(bytes request) {
         if (request.size() < min_frame || request.size() > max_frame) return false;
