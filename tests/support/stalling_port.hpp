@@ -18,7 +18,7 @@ template <class Base = scripted_port> struct stalling_port : Base {
     bool is_armed = false;
     unsigned stalls = 0;
     std::uint64_t stalled = 0; ///< when it did
-    bool is_over = false; ///< it stalled long after the last byte, where it makes no difference
+    bool is_over = false;      ///< it stalled long after the last byte, where it makes no difference
 
     bool sent() {
         const bool is = Base::sent();

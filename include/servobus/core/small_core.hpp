@@ -3,6 +3,8 @@
 //
 // Internal: whether the program is for a core that has more time than flash, so that code is shared there which a
 // host has inlined. Tests put `true` in its place, to run that code on a host.
+//
+//     if constexpr (detail::is_small_core) return 1; // here as small as possible
 #pragma once
 
 #include <cstddef>
