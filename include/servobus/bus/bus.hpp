@@ -67,8 +67,8 @@ template <const auto& Plan, class Line, class... Drives> class bus {
         drives_.each([&](std::size_t, auto& drive) {
             if (scheduling::has_stop(drive)) note(drive.step());
         });
-        // What is on the wire, before the line is taken to be free: the program may have been stopped since. A request
-        // that is found to have left only now may have its response already.
+        // Frames on the wire come before the line is taken to be free: the program may have been stopped since. A
+        // request that is found to have left only now may have its response already.
         for (int twice = 0; twice < 2; ++twice) {
             drives_.each([&](std::size_t, auto& drive) {
                 if (scheduling::is_on_the_wire(drive)) note(drive.step());
@@ -120,10 +120,11 @@ template <const auto& Plan, class Line, class... Drives> class bus {
         return drive.arrival(end);
     }
 
-    /// What cyclic read number `I` of the plan gave last. Errors: the reason why its last attempt failed, if the values
-    /// are older than `oldest` (or there are none); `timeout` if none has ended yet, or none since the word order is
-    /// known; `needs_word_order` for 32-bit values of a node whose word order is not; `needs_init` of a controlled
-    /// drive of which nothing is known.
+    /// The last values of cyclic read number `I` of the plan. Errors:
+    /// - the reason why the last attempt failed, if the values are older than `oldest`, or there are none
+    /// - `timeout`: no read has ended yet, or none since the word order is known
+    /// - `needs_word_order`: 32-bit values of a node whose word order is not known
+    /// - `needs_init`: nothing is known of the controlled drive
     template <std::size_t I>
     constexpr result<typename plan_type::template values<I>> latest(duration oldest) const {
         return latest_of<typename plan_type::template values<I>>(I, plan_type::offsets.words_before[I],
@@ -153,7 +154,7 @@ template <const auto& Plan, class Line, class... Drives> class bus {
 
   private:
     static constexpr std::size_t none = size;
-    // What waits for the line: the drives by their numbers, then the cyclic reads together.
+    // The parties that wait for the line: the drives by their numbers, then the cyclic reads together.
     static constexpr std::size_t reads_number = Plan.drives;
     static constexpr std::size_t others_number = Plan.drives + 1; // the program's own requests
     static constexpr std::size_t nothing = Plan.drives + 2;
@@ -185,14 +186,14 @@ template <const auto& Plan, class Line, class... Drives> class bus {
                       "a bus has the controlled drives of its plan, in their order, and no others");
     }
 
-    // --- Whose frame is next
+    // --- The next frame
 
     constexpr std::size_t longest_waiting() {
         std::size_t oldest = nothing;
         std::uint16_t lowest = 0;
         const auto look = [&](std::size_t party, std::uint16_t ticket) {
             const bool is_older = oldest == nothing || static_cast<std::int16_t>(ticket - lowest) < 0;
-            if (ticket == 0 || !is_older) return; // it wraps
+            if (ticket == 0 || !is_older) return; // tickets wrap
             oldest = party;
             lowest = ticket;
         };
@@ -229,7 +230,7 @@ template <const auto& Plan, class Line, class... Drives> class bus {
         }
     }
 
-    // --- What is known of a node
+    // --- Knowledge of a node
 
     // Ok, or the reason why a read has no values that are young enough.
     constexpr status why_not(std::size_t i, duration oldest, [[maybe_unused]] bool is_of_pairs) const {
@@ -260,7 +261,7 @@ template <const auto& Plan, class Line, class... Drives> class bus {
             if (k == own) call(drive);
         });
     }
-    // Its facade, if it has one, knows of no restart, and it may be read.
+    // True if the node may be read: it has no facade, or one that knows of no restart.
     constexpr bool may_be_read(std::size_t i) {
         bool may = true;
         with_drive_of(i, [&](auto& drive) { may = scheduling::may_be_read(drive); });
@@ -282,7 +283,8 @@ template <const auto& Plan, class Line, class... Drives> class bus {
         else
             return word_order::high_first;
     }
-    // That of its facade. Else what the node was made with, if it may have restarted since its word order was learned.
+    // The word order of the node's facade. Without one: the learned one, or the one that the node was made with if the
+    // node may have restarted since.
     constexpr word_order order_of(std::size_t i) const {
         const verified<word_order>& learned = states_[i].order.learned;
         const bool holds = learned.holds(line_->epoch(Plan.polls[i].node_address));
@@ -358,7 +360,7 @@ template <const auto& Plan, class Line, class... Drives> class bus {
         std::size_t best = none;
         duration waited{};
         duration next = longest_pause;
-        bool is_any_lost = false; // it is due as soon as its drive is known
+        bool is_any_lost = false; // such a read is due as soon as its drive is known
         for (std::size_t i = 0; i < size; ++i) {
             const state& s = states_[i];
             const duration ahead = since(now, s.due); // beyond a period the clock has jumped or wrapped

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// What several drives on a line are sent and how often: a constant of the program, checked by the compiler. It
+// The plan of a line: the requests to several drives, and how often. It is a constant, checked by the compiler. It
 // must fit on the wire, and a drive with a watchdog must get a request in time even if every other drive is absent.
 //
 //     inline constexpr poll_plan plan{
@@ -42,11 +42,11 @@ template <class... Entries> class poll_plan {
     static constexpr std::size_t requested = entries::requested; ///< nodes of the program's own requests
     static_assert(requested <= other_requests::most_nodes, "a plan has own_requests(..) of 8 nodes at most");
     static_assert(size + drives != 0, "a plan has a drive or reads something");
-    static constexpr std::size_t words = entries::words; ///< of all cyclic reads
+    static constexpr std::size_t words = entries::words; ///< that all cyclic reads have
     static constexpr std::size_t response_room = entries::longest_response;
     static constexpr bool has_pairs = entries::reads_with_pairs != 0; ///< a read has 32-bit values
     static constexpr const auto& offsets = entries::of_reads;         ///< where the words of each read begin
-    /// Of read number `I`, and the model of drive number `I`, in the order of the plan.
+    /// The values of read number `I`, and the model of drive number `I`, in the order of the plan.
     template <std::size_t I> using values = typename entries::template read<I>::values;
     template <std::size_t I> using model = typename entries::template drive<I>;
 
@@ -90,7 +90,7 @@ template <class... Entries> class poll_plan {
 
     /// A read with its response and the gaps, if the node responds immediately.
     constexpr duration shortest(const poll& p) const { return times{*this}.shortest(p); }
-    /// The same if the response comes too late: at the end of the quarantine, which then starts again.
+    /// A read whose response comes too late: at the end of the quarantine, which then starts again.
     constexpr duration longest(const poll& p) const { return times{*this}.longest(p); }
 
     /// The longest time between two requests to the node of `p`, if it responds and whatever the others do. Each
@@ -107,7 +107,7 @@ template <class... Entries> class poll_plan {
             others.drives += controlled[i].address != p.node_address ? 1u : 0u;
         return bound{p.period} + common.wait(p, others);
     }
-    /// The same of a controlled drive whose state is known.
+    /// The longest time between two requests to a controlled drive whose state is known.
     constexpr duration longest_gap(const controlled_node& d) const {
         return bound{detail::poll_period(d)} + times{*this}.wait_of_a_drive();
     }
@@ -147,7 +147,7 @@ template <class... Entries> class poll_plan {
         if (rules_.retry_every.us <= us) return 1000;
         return static_cast<std::uint32_t>(us * 1000u / rules_.retry_every.us + 1u);
     }
-    /// Of each absent drive.
+    /// The time between two attempts to find an absent drive.
     constexpr duration retry_period() const { return bound{rules_.retry_every} * drives; }
 
     /// The longest time from the return of a node to the request that finds it, while `absent` reads of the plan, its
@@ -193,7 +193,7 @@ template <class... Entries> class poll_plan {
         return longest;
     }
 
-    /// Of the program's own requests to a node, and their responses.
+    /// The longest exchange of the program's own requests to a node, without the gaps.
     constexpr duration longest_exchange(const requested_node& r) const {
         const bound read =
             bound{timing_.wire_time(times::read_request)} + timing_.longest_frame(r.longest_response());

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// What a plan is made of: drives with a facade, registers that are read again and again, the program's own requests,
+// The entries of a plan: drives with a facade, registers that are read again and again, the program's own requests,
 // and when a node counts as absent. bus/plan.hpp includes it.
 //
 //     constexpr auto wheels_entry = controlled(
@@ -79,13 +79,13 @@ consteval cyclic_read<Rs...> cyclic(const node<Device>& at, duration period) {
              .gaps = at.gaps}};
 }
 
-/// What the facade of a drive sends by itself, and how often.
+/// The frames that the facade of a drive sends by itself, and how often.
 struct controlled_node : supervised_node {
-    duration command_period{}; ///< of the application's commands; 0: not known
+    duration command_period{}; ///< between commands of the application; 0: not known
     duration keep_alive{}; ///< after which its facade takes the drive's own watchdog to have expired; 0: none
     std::uint8_t image_words = 0;
-    std::uint8_t slower_words = 0;     ///< of the longest block that is read less often
-    std::uint8_t readings_between = 0; ///< of the image, for one of a slower block
+    std::uint8_t slower_words = 0;     ///< that the longest block has which is read less often
+    std::uint8_t readings_between = 0; ///< readings of the image for one of a slower block
 };
 
 /// A drive with a facade of `Model`.

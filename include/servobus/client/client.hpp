@@ -203,7 +203,7 @@ class client : public raw_client<Line, Device, Node> {
         check_wear<R>();
         return put_if_different<R>(value);
     }
-    /// The same for registers that the device keeps at every write: an equal value wears nothing.
+    /// As `write_if_different`, for registers that the device keeps at every write: an equal value wears nothing.
     template <const auto& R>
     requires is_register<R>
     constexpr status store_if_different(register_value<R> value) { return put_if_different<R>(value); }
@@ -214,7 +214,7 @@ class client : public raw_client<Line, Device, Node> {
     /// manual does not have.
     constexpr status learn_word_order() {
         static_assert(Device::facts.word_order_register != 0, "the word order of this device is fixed");
-        (void)current_word_order(); // what is stale already
+        (void)current_word_order(); // drops one that is stale already
         const result<u32> order = read_bits<1>(Device::facts.word_order_register);
         (void)current_word_order(); // the read's own lost attempts came before its answer
         node_.word_order = word_order::unknown;

@@ -19,11 +19,11 @@
 namespace servobus {
 
 namespace detail {
-/// Of a device that can switch its word order: what is known of it.
+/// The word order of a device that can switch it, as far as it is known.
 template <device_class Device, bool IsFixed = has_fixed_word_order<Device>> struct node_order {
     servobus::word_order word_order = Device::facts.word_order;
 };
-/// Of one that has one word order only: it is a constant.
+/// The word order of a device that has only one: a constant.
 template <device_class Device> struct node_order<Device, true> {
     static constexpr servobus::word_order word_order = Device::facts.word_order;
 };
@@ -36,7 +36,7 @@ template <device_class Device> struct node : detail::node_order<Device> {
     std::uint8_t read_retries = Device::facts.read_retries; ///< reads only; a write is never repeated
     response_limits limits = Device::facts.limits;
     bus_gaps gaps{Device::facts.gap, Device::facts.quarantine};
-    servobus::priority priority = servobus::priority::ordinary; ///< of all requests of its client
+    servobus::priority priority = servobus::priority::ordinary; ///< all requests of its client have it
 
     constexpr node() = default;
     constexpr explicit node(std::uint8_t at) : address{at} {}
@@ -82,7 +82,7 @@ template <device_class Device, std::uint8_t Address = Device::facts.lowest_addre
     static constexpr bool is_valid() { return true; }
 };
 
-/// Whether requests to the node are constants.
+/// True if requests to the node are constants.
 template <class Node> inline constexpr bool is_fixed = false;
 template <device_class Device, std::uint8_t Address>
 inline constexpr bool is_fixed<fixed_node<Device, Address>> = true;

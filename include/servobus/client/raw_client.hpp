@@ -25,7 +25,7 @@
 
 namespace servobus {
 
-/// What a `client` is without its device's rows. Every call returns within `line::bound` for each request it
+/// A `client` without its device's rows. Every call returns within `line::bound` for each request that it
 /// makes; reads are retried, writes never.
 template <class Line, device_class Device, class Node>
 class raw_client : protected detail::node_link<Line, Device, Node> {
@@ -40,7 +40,7 @@ class raw_client : protected detail::node_link<Line, Device, Node> {
     using link::node;
     using typename link::line_type;
     using link_type = link;
-    /// What stepped calls need of a client; only they have a key.
+    /// The base of the client, for stepped calls; only they have a key.
     constexpr link& link_for(detail::stepped_key) { return *this; }
 
     /// Reads `words.size()` raw registers from `address` on, function 03 or 04; for what a map does not have.
@@ -118,7 +118,7 @@ class raw_client : protected detail::node_link<Line, Device, Node> {
         request_machine call = request_machine::transaction();
         status why = run(x);
         if (why.was_sent() && !modbus::is_read(pdu[0]))
-            link::invalidate(link::all()); // it may write anything
+            link::invalidate(link::all()); // any register may be written
         (void)call.goes_on(why, node_, same_bytes(room, sent), line_->is_echo_ruled_out());
         if (!why) return why;
         for (std::size_t i = 0; i < response_pdu.size(); ++i) response_pdu[i] = room[i + 1];
@@ -144,7 +144,7 @@ class raw_client : protected detail::node_link<Line, Device, Node> {
         return read_by(request, frame, words);
     }
 
-    /// The same for a request that is made. Inline: nearly all of its arguments are constants.
+    /// Reads with retries, by a request that is made already. Inline: nearly all arguments are constants.
     [[gnu::always_inline]] constexpr status read_by(bytes request, byte_buffer frame, slice<u16> words) {
         status why;
         const byte_buffer response = frame.first(5 + 2 * words.size());

@@ -9,7 +9,7 @@
 //
 //     const node<zlac8015d::device> of{1};
 //     request_machine call = request_machine::write();
-//     status why = status::sent(errc::ok); // of its request; then each time of the request of `call.now()`
+//     status why = status::sent(errc::ok); // the write's; then each time that of the request of `call.now()`
 //     while (call.goes_on(why, of, true, false)) {}
 //     if (why.error() != errc::own_echo) return 1;
 #pragma once
@@ -22,14 +22,14 @@ namespace servobus {
 
 class request_machine {
   public:
-    /// What the request under way is for.
+    /// The purpose of the request under way.
     enum class stage : std::uint8_t {
         ended,
         reading,
         transacting, ///< any function: it may write
         writing,
         asking_first, ///< a read of the register that is to be written, before a setting of the line is
-        checking,     ///< the same after a write whose response may have been its echo
+        checking,     ///< such a read after a write whose response may have been its echo
     };
 
     constexpr request_machine() = default; ///< no call
@@ -84,7 +84,7 @@ class request_machine {
         const stage was = stage_;
         stage_ = stage::ended;
         if (was == stage::checking) return status::sent(errc::own_echo);
-        if (was == stage::asking_first) return errc::busy; // of the write, nothing was sent
+        if (was == stage::asking_first) return errc::busy; // nothing of the write was sent
         return came;
     }
 
@@ -99,7 +99,7 @@ class request_machine {
     [[gnu::always_inline]] constexpr explicit request_machine(stage first) : stage_{first} {}
 
     stage stage_ = stage::ended;
-    std::uint8_t attempts_ = 0; // of the stage, that failed
+    std::uint8_t attempts_ = 0; // that failed in this stage
 };
 
 } // namespace servobus

@@ -25,7 +25,7 @@ enum class presence : std::uint8_t {
     failed,  ///< the port or the line failed
 };
 
-/// What came from an address. `word` is what `address` holds, if `has_word`.
+/// The answer of an address. `word` is the content of the register that was read, if `has_word`.
 struct finding {
     presence what = presence::no_response;
     bool has_word = false;

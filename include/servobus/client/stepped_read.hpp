@@ -93,7 +93,7 @@ requires(sizeof...(Rs) > 1) class stepped_read<Client, Rs...>
     static_assert((belongs_to<typename row_type<Rs>::device, typename Client::device> && ...),
                   "this register belongs to another device");
     static constexpr const auto& plan = readings<Rs...>::plan;
-    static constexpr bool is_one = plan.count == 1; // its frame has all words until they are asked for
+    static constexpr bool is_one = plan.count == 1; // then the frame has all words until they are asked for
 
   public:
     constexpr explicit stepped_read(Client& of) : base{base::link_of(of)} {}
@@ -160,7 +160,7 @@ requires(sizeof...(Rs) > 1) class stepped_read<Client, Rs...>
         readings<Rs...> values{};
         u16 offset = 0;
         std::uint8_t next = 0;
-        word_order order = word_order::unknown; // of the parts read so far
+        word_order order = word_order::unknown; // that the parts read so far have
     };
     struct one {};
     [[no_unique_address]] std::conditional_t<is_one, one, several> parts_{};

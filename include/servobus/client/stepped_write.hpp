@@ -19,7 +19,7 @@
 namespace servobus {
 
 namespace detail {
-/// What `stepped_write` and `stepped_store` share; `Wears`: the device may keep each write in its EEPROM.
+/// The base of `stepped_write` and `stepped_store`. `Wears`: the device may keep each write in its EEPROM.
 template <class Client, bool Wears, const auto&... Rs> class stepped_put;
 
 template <class Client, bool Wears, const auto& R>

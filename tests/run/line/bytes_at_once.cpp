@@ -66,7 +66,7 @@ template <class Port, modbus::rtu_timing Timing> struct small {
     small() { port.gives_at_most = 1; }
     errc ask(const byte_list& request) { return of.ask(request); }
 };
-#define ALL_LINES(PORT)                                                                                      \
+#define EACH_LINE(PORT)                                                                                      \
     whole<PORT<scripted_port>, host>, whole<PORT<waiting_scripted_port>, host>,                              \
         whole<PORT<scripted_port>, strict>, small<PORT<scripted_port>, host>,                                \
         small<PORT<waiting_scripted_port>, host>, small<PORT<scripted_port>, strict>
@@ -79,7 +79,7 @@ void say_at_once(scripted_port& p, const sent_frame& f, const byte_list& respons
 } // namespace
 
 TEST_CASE_TEMPLATE("G1: after a port that fails among bytes that are there, the quarantine counts from then",
-                   L, ALL_LINES(counting_port)) {
+                   L, EACH_LINE(counting_port)) {
     for (const std::uint32_t receive_us : {0u, 50u, 300u}) {
         unsigned played = 0;
         for (std::uint64_t call = 1; call < 400; ++call) {
@@ -107,7 +107,7 @@ TEST_CASE_TEMPLATE("G1: after a port that fails among bytes that are there, the 
 }
 
 TEST_CASE_TEMPLATE("a character that is garbled behind a response does not spoil it", L,
-                   ALL_LINES(counting_port)) {
+                   EACH_LINE(counting_port)) {
     L r;
     r.port.device = [&](scripted_port& p, const sent_frame& f) {
         say_at_once(p, f, eight_words);

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// What must hold of a plan, else it does not compile.
+// The rules of a plan: one that breaks them does not compile.
 #pragma once
 
 #include <cstddef>

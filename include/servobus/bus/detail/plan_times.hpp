@@ -15,14 +15,14 @@
 
 namespace servobus::detail {
 
-// A drive with a watchdog is polled no longer than that: then its state is unknown.
+// A drive with a watchdog is not polled once the watchdog is over: then its state is unknown.
 constexpr bool backs_off(const controlled_node& d) {
     return d.keep_alive == duration{} && d.by.feedback != duration{};
 }
 constexpr bool is_kept_alive(const controlled_node& d) {
     return d.keep_alive != duration{} && d.by.feedback != duration{};
 }
-// While it is enabled a facade reads it four times within its watchdog.
+// A facade reads an enabled drive four times within its watchdog.
 constexpr duration poll_period(const controlled_node& d) {
     return is_kept_alive(d) ? shorter_of(d.by.feedback, duration{d.keep_alive.us / 4}) : d.by.feedback;
 }
@@ -53,8 +53,8 @@ struct plan_times {
     duration quarantine = timing.visible_gap(); ///< the longest: of the node before, or of the next one
     duration longest_own_gap{timing.t3_5};      ///< before a request of any node
     duration stop_gap{timing.t3_5};             ///< before a stop: the gap of its own drive only
-    duration longest_response{};                ///< that any drive or read is allowed
-    bound requests_between = duration{};        ///< one to each node of the program's own requests
+    duration longest_response{};                ///< of the time limits of all drives and reads
+    bound requests_between = duration{};        ///< one request to each node of the program's own ones
     bound longest_read = duration{};
 
     template <class Plan>
@@ -121,7 +121,7 @@ struct plan_times {
 
     // --- What keeps a stop waiting
 
-    // From a request's first bit to the end of its response, which comes as late as it keeps a stop waiting.
+    // The time from a request's first bit to the end of its response, which comes as late as a stop waits for it.
     constexpr bound in_flight(duration response, std::size_t request, std::size_t response_size) const {
         return bound{timing.wire_time(request)} + response + stop_gap + timing.longest_frame(response_size);
     }
@@ -150,7 +150,7 @@ struct plan_times {
 
     // --- What a frame waits for
 
-    // From a read's time to its end. With each read the drives send a frame each, and the program one to each of its
+    // The time from when a read is due to its end. With each read the drives send a frame each, and the program one to each of its
     // nodes; then there is a stop of each drive.
     constexpr bound wait(const poll& own, const other_entries& others) const {
         const bound between = longest_command() * others.drives + requests_between;
@@ -158,7 +158,7 @@ struct plan_times {
                               std::uint64_t{between.time.us} * (others.reads + 1u) +
                               (longest_stop() * others.drives).time.us);
     }
-    // From the time of a drive's frame to its end, after one of each other drive and a read.
+    // The time from when a drive's frame is due to its end, after one of each other drive and a read.
     constexpr bound wait_of_a_drive() const {
         return longest_read + requests_between + longest_command() * drives +
                longest_stop() * (drives == 0 ? 0 : drives - 1);
@@ -178,7 +178,7 @@ struct plan_times {
     }
 };
 
-/// What the reads of every node wait for: all entries, less those of the node. A plan with hundreds of reads would
+/// The entries for which the reads of a node wait: all, less those of the node. A plan with hundreds of reads would
 /// otherwise add them up again for each.
 class all_others {
   public:

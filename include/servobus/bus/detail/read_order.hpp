@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// What a bus keeps of the word order of a cyclic read. A plan without 32-bit values needs none of it.
+// The word order of a cyclic read, as a bus keeps it. A plan without 32-bit values needs none.
 #pragma once
 
 #include <servobus/core/epoch.hpp>
@@ -11,7 +11,7 @@ namespace servobus::detail {
 
 template <bool HasPairs> struct read_order {
     verified<word_order> learned{word_order::high_first, {}};
-    word_order taken_in = word_order::high_first; ///< of the values
+    word_order taken_in = word_order::high_first; ///< that the values have
 };
 template <> struct read_order<false> {};
 

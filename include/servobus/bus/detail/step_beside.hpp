@@ -27,7 +27,7 @@ template <const auto& Plan> constexpr std::size_t place_of(std::uint8_t address)
 template <const auto& Plan>
 constexpr admission judge(other_requests& others, std::uint8_t address, duration longest,
                           const bus_gaps& wanted, instant now) {
-    if (address == modbus::broadcast) // it is short, and no response is awaited
+    if (address == modbus::broadcast) // short, and without a response
         return longest <= Plan.longest_in_flight() ? admission::granted : admission::refused;
     const std::size_t i = place_of<Plan>(address);
     if (i == Plan.requested) return admission::refused;

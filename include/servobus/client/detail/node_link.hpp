@@ -1,9 +1,9 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// A node on a line, and what was learned of it, which holds until a request to it gets no valid response. It is
-// the base of a client. Blocking and stepped calls ask it when their request leaves, and tell it what a write
-// makes stale.
+// A node on a line, and the facts that were learned of the node. They hold until a request to it gets no valid
+// response. The link is the base of a client. Blocking and stepped calls ask the link when their request leaves,
+// and report to it what a write makes stale.
 #pragma once
 
 #include <cstddef>
@@ -24,14 +24,14 @@ class stepped_key {
     constexpr stepped_key() = default;
 };
 
-// What a write makes stale. Empty where nothing is learned of the node.
+// The facts that a write makes stale. Empty where nothing is learned of the node.
 template <bool Learns> struct made_stale {
     bool tokens = false;
     bool word_order = false;
 };
 template <> struct made_stale<false> {};
 
-// What a write depends on until it leaves. Empty where the device has nothing of the kind.
+// The facts on which a write depends until it leaves. Empty where the device has nothing of the kind.
 template <bool HasTokens> struct needed_token {
     ram_only token{};
     bool is_needed = false;
@@ -49,12 +49,12 @@ template <class Line, device_class Device, class Node> class node_link {
   public:
     using line_type = Line;
     using node_type = Node;
-    using crc = typename Line::crc; // of every frame, as the line checks the responses
+    using crc = typename Line::crc; // every frame has it, as the line checks the responses
 
     static constexpr bool has_tokens = Device::facts.eeprom_switch != 0;
-    /// Whether a word order can become stale, also during a read.
+    /// True if a word order can become stale, also during a read.
     static constexpr bool loses_word_order = Device::facts.word_order_register != 0 && !is_fixed<Node>;
-    // Whether anything is learned of the node that a restart would change.
+    /// True if anything is learned of the node that a restart would change.
     static constexpr bool learns = loses_word_order || has_tokens;
 
     constexpr node_link(Line& on, Node at) : line_{&on}, node_{at}, learned_{on, at} {}
@@ -72,7 +72,7 @@ template <class Line, device_class Device, class Node> class node_link {
         drop_stale_word_order();
         return node_.word_order;
     }
-    /// Of the parts of one reading: `before` is the word order after the part before.
+    /// True if the parts of one reading have one word order. `before`: the word order after the part before.
     static constexpr bool is_one_order(std::size_t part, word_order before, word_order now) {
         return part == 0 || now == before;
     }
@@ -98,7 +98,6 @@ template <class Line, device_class Device, class Node> class node_link {
         return errc::ok;
     }
 
-    // What becomes stale by a write, before it leaves. A broadcast reaches all nodes.
     using stale = made_stale<learns>;
     [[gnu::always_inline]] static constexpr stale invalidated_by([[maybe_unused]] bytes request) {
         if constexpr (learns) {
@@ -108,13 +107,14 @@ template <class Line, device_class Device, class Node> class node_link {
             return {};
         }
     }
-    /// As if it wrote anything.
+    /// All that a write of any register would make stale.
     static constexpr stale all() {
         if constexpr (learns)
             return {true, true};
         else
             return {};
     }
+    /// Called before the write leaves. A broadcast reaches all nodes.
     template <bool IsBroadcast = false>
     [[gnu::always_inline]] constexpr void invalidate([[maybe_unused]] const stale& what) {
         if constexpr (has_tokens) {
@@ -158,7 +158,7 @@ template <class Line, device_class Device, class Node> class node_link {
         return line_->epoch(node_.address);
     }
     // A word order that was read from the drive is valid in its epoch; the one that the node was made with
-    // remains. It asks for the epoch only: `node()` is a look, and must not free the line of an exchange.
+    // remains. Only the epoch is asked for: `node()` is a look, and must not free the line of an exchange.
     constexpr void drop_stale_word_order() {
         if constexpr (loses_word_order) {
             const epoch now = line_->epoch(node_.address);

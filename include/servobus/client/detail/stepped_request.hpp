@@ -1,9 +1,9 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// What the stepped calls of a client share, whatever register they are for: one copy of it in the program
-// for each type of client. A loop over `request_machine` that never waits: it makes the frame of the next request
-// in the memory of the call, and steps its exchange.
+// The base of the stepped calls of a client, for all registers: a program has one copy for each type of client. It
+// is a loop over `request_machine` that never waits: it makes the frame of the next request in the memory of the
+// call, and steps its exchange.
 #pragma once
 
 #include <cstddef>
@@ -157,7 +157,7 @@ template <class Link> class stepped_request {
         const duration idle = link_->line().step(exchange_, node().gaps);
         if (!exchange_.done()) return idle;
         servobus::status why = exchange_.status();
-        // It may have been learned anew while the write waited for the line.
+        // Facts may have been learned anew while the write waited for the line.
         if (is_writing) link_->invalidate(stale_);
         if (machine_.goes_on(why, node(), code_ == 0x06, link_->line().is_echo_ruled_out()))
             make_request(frame);
@@ -227,7 +227,7 @@ template <class Link> class stepped_request {
     struct no_order {};
 
     request_machine machine_;
-    std::uint8_t size_ = 0; // of the response to a read, of the request of a write
+    std::uint8_t size_ = 0; // bytes of the response to a read, or of the request of a write
     std::uint8_t code_ = 0;
     u16 address_ = 0;
     [[no_unique_address]] typename Link::stale stale_{};
