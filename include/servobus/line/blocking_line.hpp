@@ -211,7 +211,7 @@ class blocking_line : modbus::gathering<std::uint8_t> {
     static constexpr bool is_glitch(int received) { return received == 0x00 || received == 0xFF; }
     static constexpr bool is_past(duration left) { return static_cast<std::int32_t>(left.us) < 0; }
 
-    static constexpr std::uint32_t stop_bit = 1u << 16;
+    static constexpr std::uint32_t stop_bit = std::uint32_t{1} << 16;
 
     // The sizes of request and response, and `stop_bit`, share a register. Figures that are constants take none.
     template <bool IsBroadcast, bool IsAnyFunction, class Limits, class Gaps>
