@@ -7,6 +7,7 @@ header_examples.py [COMPILER...]    g++ and clang++ if none is given
 An example is the first run of lines `//     code` after a line `//`. It compiles at namespace scope or as a
 function's body, after the headers and declarations below, whichever it is written for.
 """
+import re
 import subprocess
 import sys
 import tempfile
@@ -15,6 +16,7 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parent.parent
 HEADERS = ROOT / "include" / "servobus"
 MOST_LINES = 5
+STATEMENT = re.compile(r"^(if|for|while|return|\(void\)|[a-z_.]+\()", re.M)
 
 # Rooms of which each public header must have an example.
 WITH_EXAMPLES = {"core", "modbus", "registers", "explain", "sim", "posix", "bus", "client", "control", "line", "device"}
@@ -104,7 +106,10 @@ def compiles(compiler, before, name, code):
     opening = f"#include <servobus/{name}>\nusing namespace servobus;\nusing namespace servobus::units;\n"
     opening += GIVEN.get(name, GIVEN.get(f"{name.rpartition('/')[0]}/", "")) + "\n"
     said = ""
-    for source in (f"{opening}{code}\n", f"{opening}int example() {{\n{code}\nreturn 0;\n}}\n"):
+    sources = [f"{opening}{code}\n", f"{opening}int example() {{\n{code}\nreturn 0;\n}}\n"]
+    if STATEMENT.search(code):  # probably a function's body
+        sources.reverse()
+    for source in sources:
         done = subprocess.run([*command(compiler), *before], input=source, capture_output=True, text=True, check=False)
         if done.returncode == 0:
             return None
