@@ -7,6 +7,8 @@
 //     if constexpr (detail::is_small_core) return 1; // here as small as possible
 #pragma once
 
+#include <servobus/core/cxx20.hpp>
+
 #include <cstddef>
 
 namespace servobus::detail {
