@@ -29,7 +29,8 @@ if not arguments or any(not (INCLUDE / "servobus" / folder).is_dir() for folder 
 def problem_of(included):
     """What the compiler says, or that it has failed; empty if the headers compile."""
     command = [*arguments, f"-I{INCLUDE}", "-x", "c++", "-fsyntax-only", "-"]
-    done = subprocess.run(command, input="".join(f"#include <{header}>\n" for header in included), capture_output=True, text=True, cwd=ROOT)
+    program = "".join(f"#include <{header}>\n" for header in included)
+    done = subprocess.run(command, input=program, capture_output=True, text=True, cwd=ROOT)
     return "" if done.returncode == 0 else f"status {done.returncode}\n{done.stderr}"
 
 

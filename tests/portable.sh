@@ -32,6 +32,6 @@ if nm -C "$build/servobus" | grep -qE ' U (ppoll|prctl|ptsname_r)\b'; then
 fi
 status=0
 "$build/tests" || status=1
-for part in zlac8015d scan output; do python3 -B tests/tool/$part.py "$build/servobus" || status=1; done
+for part in zlac8015d scan parameters output; do python3 -B tests/tool/$part.py "$build/servobus" || status=1; done
 [ $status = 0 ] && echo "portable.sh: passed" || echo "portable.sh: FAILED"
 exit $status

@@ -120,7 +120,7 @@ foreach(source IN LISTS unit_sources)
   target_compile_options(${name} PRIVATE ${level})
   add_custom_target(unit.${name} COMMAND ${CMAKE_CROSSCOMPILING_EMULATOR} $<TARGET_FILE:${name}> USES_TERMINAL)
 endforeach()
-# The code of small cores on this host; the other configurations of part of the tests are of small cores themselves.
+# The code of small cores on this host. Configurations that build part of the tests leave it out.
 if(NOT SERVOBUS_UNIT_FOLDERS)
   file(GLOB small_core_sources CONFIGURE_DEPENDS run/modbus/exchange*.cpp run/client/call_worlds.cpp
        run/client/client_retries.cpp run/line/bad_input.cpp run/line/bytes_at_once.cpp run/line/failed_sends.cpp

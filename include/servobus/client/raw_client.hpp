@@ -126,8 +126,6 @@ class raw_client : protected detail::node_link<Line, Device, Node> {
     }
 
   protected:
-    using link::has_tokens;
-    using link::is_good;
     using link::line_;
     using link::loses_word_order;
     using link::node_;
@@ -156,7 +154,7 @@ class raw_client : protected detail::node_link<Line, Device, Node> {
         return why;
     }
 
-    /// `asks_first`: an echo must be ruled out before the write leaves, not after it.
+    /// Writes one register. `AsksFirst`: an echo must be ruled out before the write leaves, not after it.
     template <bool IsBroadcast = false, bool AsksFirst = false>
     constexpr status write_one(u16 address, u16 value, const typename link::condition& on = {}) {
         modbus::frame<8> f =
@@ -164,7 +162,7 @@ class raw_client : protected detail::node_link<Line, Device, Node> {
         return write_framed<IsBroadcast, AsksFirst>(f.data, address, true, on);
     }
 
-    /// The words are in their place already.
+    /// Writes registers whose words are in `frame` already.
     template <bool IsBroadcast = false, bool AsksFirst = false>
     [[gnu::noinline]] constexpr status write_many(byte_buffer frame, u16 address,
                                                   const typename link::condition& on = {}) {

@@ -20,6 +20,7 @@
 
 namespace servobus {
 
+/// The progress of one call: the request under way, and the attempts that failed.
 class request_machine {
   public:
     /// The purpose of the request under way.

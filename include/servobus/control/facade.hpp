@@ -817,7 +817,7 @@ template <class Model, class Line> class facade {
     routine_status report_{};
     response_limits limits_;
     bus_gaps gaps_;
-    priority priority_ = priority::ordinary; // of what is not urgent
+    priority priority_ = priority::ordinary; // of all requests but stops
     modbus::exchange exchange_{};
     detail::routine_run run_{};
     std::uint8_t frame_[24]{};

@@ -39,7 +39,7 @@ struct bus_gaps {
 /// How urgent a request is on its line.
 enum class priority : std::uint8_t {
     ordinary,
-    planned, ///< of a bus, whose plan has it
+    planned, ///< the plan of a bus has it
     stop,    ///< goes before all others, and waits for t3.5 or `bus_gaps::gap`, never for a quarantine
 };
 

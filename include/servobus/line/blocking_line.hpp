@@ -69,8 +69,8 @@ class blocking_line : modbus::gathering<std::uint8_t> {
     static constexpr std::size_t longest_frame = 255; ///< bytes; function 10h needs no more
 
     /// A request and room for its response. `Limits` is `response_limits`, or a class that has its figures as
-    /// constants; `Priority` likewise. A broadcast, and a function other than 03, 04, 06 and 10h, are types of their own, so that
-    /// only a program that sends one pays for it.
+    /// constants; `Priority` likewise. A broadcast, and a function other than 03, 04, 06 and 10h, are types of
+    /// their own, so that only a program that sends one pays for it.
     template <class Limits, bool IsBroadcast = false, bool IsAnyFunction = false, class Priority = priority>
     class exchange_for {
       public:
@@ -197,8 +197,8 @@ class blocking_line : modbus::gathering<std::uint8_t> {
     // With strict timing a shorter gap ends every frame.
     static constexpr bool has_pauses = gap_inside > pause;
 
-    // Bytes that are there are taken without a look at the clock between them; but not with strict timing, which
-    // judges the time before each of them.
+    // True if bytes that have arrived are taken without a look at the clock between them. With strict timing the
+    // line looks at the clock for each byte.
     static constexpr bool takes_at_once = Timing.mode != modbus::timing_mode::strict;
 
     static constexpr duration unknown{0x8000'0000}; // `is_past`, also some time later
@@ -397,7 +397,7 @@ class blocking_line : modbus::gathering<std::uint8_t> {
             if (is_whole() && !may_be_echo()) break;
         }
     }
-    // Takes the bytes that are there, and none behind the response: a garbled one may follow, as a driver is switched.
+    // Takes the bytes that have arrived, and none after the response: a garbled one may follow, as a driver is switched.
     // False if the port failed.
     [[gnu::always_inline]] constexpr bool take_burst() {
         int next = 0;

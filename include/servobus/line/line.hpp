@@ -178,7 +178,7 @@ template <port Port, observer Observer = counters, class Echo = unechoed> class 
     static constexpr bool is_host = !detail::is_small_core;
 
     static constexpr bool is_stop(const exchange& x) { return x.priority() == priority::stop; }
-    static constexpr std::uint16_t whole = 0xFFFF; // which is -1: less than any number of bytes
+    static constexpr std::uint16_t whole = 0xFFFF; // as a signed number -1: `is_sending` is one comparison
     // A byte of the request has left, so that it cannot be called back.
     constexpr bool has_left() const { return taken_ != 0; }
 

@@ -19,6 +19,7 @@
 #include <servobus/servobus.hpp>
 
 #include <tests/support/scripted_port.hpp>
+#include <tests/support/worn_device.hpp>
 
 namespace call_worlds_tests {
 
@@ -31,14 +32,7 @@ namespace {
 namespace fixture {
 using namespace servobus;
 
-struct device {
-    static constexpr profile facts{.name = "worn",
-                                   .highest_address = 99,
-                                   .word_order = word_order::unknown,
-                                   .word_order_register = 0x0019,
-                                   .eeprom_switch = 0x0C0D,
-                                   .limits = {.corrupted_request = 1}};
-};
+using device = tests::worn_device;
 template <class T> using rw = reg<T, access::rw, device>;
 inline constexpr rw<u16> light{0x0300, {0, 1000}, no_unit, 0};
 inline constexpr rw<i32> place{0x0301, full<i32>, units::pulse, 0};
@@ -85,7 +79,7 @@ struct world {
     std::uint8_t retries = 2;
 };
 
-// What a player did, as seen from outside.
+// The course of a call, as seen from outside.
 struct course {
     std::vector<byte_list> frames; // of the call
     std::map<std::uint16_t, std::uint16_t> words;
@@ -265,12 +259,12 @@ course play_stepped(const world& in) {
     }
 }
 
-// Whether the device said anything that is valid, a refusal too, to a request that this fault hits.
+// True if a request that this fault hits gets a valid response, be it a refusal.
 bool has_response(fault f) { return f == fault::none || f == fault::hurt || f == fault::refused; }
 
 bool needs_token(call c) { return c == call::write_kept || c == call::write_delay; }
 
-// What the wire alone shows: a write leaves once and never after a silence that made its token void.
+// Judges by the frames on the wire: a write leaves once, and not after a missing response has made its token stale.
 void judge(const world& in, const course& of) {
     unsigned writes = 0;
     bool is_void = false;

@@ -12,6 +12,7 @@
 #include <servobus/servobus.hpp>
 
 #include <tests/support/scripted_port.hpp>
+#include <tests/support/worn_device.hpp>
 
 namespace client_faults_tests {
 
@@ -24,14 +25,7 @@ namespace {
 namespace fixture {
 using namespace servobus;
 
-struct device {
-    static constexpr profile facts{.name = "worn",
-                                   .highest_address = 99,
-                                   .word_order = word_order::unknown,
-                                   .word_order_register = 0x0019,
-                                   .eeprom_switch = 0x0C0D,
-                                   .limits = {.corrupted_request = 1}};
-};
+using device = tests::worn_device;
 inline constexpr reg<u16, access::rw, device> kept{0x0200, {0, 1000}, no_unit, 0, saved_on_write};
 inline constexpr reg<u16, access::rw, device> to_eeprom{0x0C0D, {0, 1}, no_unit, 1, saved_on_write};
 inline constexpr reg<u16, access::rw, device> light{0x0300, {0, 1000}, no_unit, 0};

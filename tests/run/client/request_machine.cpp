@@ -45,7 +45,7 @@ struct course {
     status end;
 };
 
-// What the machine does: request number `i` ends with `script[i]`; an echo is ruled out from request `proven` on.
+// Plays the machine: request number `i` ends with `script[i]`; an echo is ruled out from request `proven` on.
 course played(request_machine call, const std::array<unsigned, most>& script, unsigned retries, bool repeats,
               unsigned proven) {
     node<device> of{1};
@@ -138,7 +138,7 @@ TEST_CASE("G16: a call that is given up says what is known of its write") {
     CHECK(read.given_up(errc::busy) == status{errc::busy});
     CHECK(read.done());
     CHECK(request_machine::write().given_up(status::sent(errc::timeout)) == status::sent(errc::timeout));
-    // Of the write itself nothing was sent, whatever came of the read before it.
+    // Nothing of the write itself was sent, whatever the read before it got.
     CHECK(request_machine::write(true).given_up(status::sent(errc::timeout)) == status{errc::busy});
     CHECK(request_machine::check().given_up(errc::busy) == status::sent(errc::own_echo));
     static_assert(sizeof(request_machine) == 2 && request_machine{}.done());

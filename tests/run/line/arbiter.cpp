@@ -17,7 +17,7 @@ using namespace servobus;
 using detail::arbiter;
 
 namespace {
-// Of the request of the exchange that has the line.
+// The request of the exchange that has the line has begun to leave, or not.
 constexpr bool has_left = true;
 constexpr bool waits = false;
 } // namespace

@@ -3,7 +3,7 @@
 //
 // Bytes that are there together, as in the ring of an interrupt or after a pause of the program, from a port that
 // gives one a call. A line may take them without a look at the clock between them, but nothing is lost by it: not
-// the quarantine after a port that fails among them, not the byte behind the response, and in strict timing no gap.
+// the quarantine after a port that fails among them, not the byte after the response, and in strict timing no gap.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -106,7 +106,7 @@ TEST_CASE_TEMPLATE("G1: after a port that fails among bytes that are there, the 
     }
 }
 
-TEST_CASE_TEMPLATE("a character that is garbled behind a response does not spoil it", L,
+TEST_CASE_TEMPLATE("a character that is garbled after a response does not spoil it", L,
                    EACH_LINE(counting_port)) {
     L r;
     r.port.device = [&](scripted_port& p, const sent_frame& f) {

@@ -150,8 +150,8 @@ struct plan_times {
 
     // --- What a frame waits for
 
-    // The time from when a read is due to its end. With each read the drives send a frame each, and the program one to each of its
-    // nodes; then there is a stop of each drive.
+    // The time from when a read is due to its end. With each read the drives send a frame each, and the program one to
+    // each of its nodes; then there is a stop of each drive.
     constexpr bound wait(const poll& own, const other_entries& others) const {
         const bound between = longest_command() * others.drives + requests_between;
         return bound::at_most(others.reads_us + longest(own).time.us +

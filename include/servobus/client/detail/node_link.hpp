@@ -48,7 +48,6 @@ template <> struct used_order<false> {
 template <class Line, device_class Device, class Node> class node_link {
   public:
     using line_type = Line;
-    using node_type = Node;
     using crc = typename Line::crc; // every frame has it, as the line checks the responses
 
     static constexpr bool has_tokens = Device::facts.eeprom_switch != 0;

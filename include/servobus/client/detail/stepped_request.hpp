@@ -52,7 +52,7 @@ template <class Link> class stepped_request {
     static constexpr std::size_t read_room(std::size_t words) {
         return words < 2 ? shortest_room : 5 + 2 * words;
     }
-    /// `asks_first`: a read goes first, behind the write that is kept.
+    /// `asks_first`: a read goes first. Its frame lies after that of the write, which is kept.
     static constexpr std::size_t write_room(std::size_t words, bool asks_first) {
         return (words == 1 ? shortest_room : 9 + 2 * words) + (asks_first ? shortest_room : 0);
     }
