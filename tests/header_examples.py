@@ -102,19 +102,36 @@ def precompile(compiler, folder):
     return ["-include", str(header), "-fsyntax-only", "-x", "c++", "-"]
 
 
-def compiles(compiler, before, name, code):
-    opening = f"#include <servobus/{name}>\nusing namespace servobus;\nusing namespace servobus::units;\n"
-    opening += GIVEN.get(name, GIVEN.get(f"{name.rpartition('/')[0]}/", "")) + "\n"
-    said = ""
-    sources = [f"{opening}{code}\n", f"{opening}int example() {{\n{code}\nreturn 0;\n}}\n"]
-    if STATEMENT.search(code):  # probably a function's body
-        sources.reverse()
-    for source in sources:
-        done = subprocess.run([*command(compiler), *before], input=source, capture_output=True, text=True, check=False)
-        if done.returncode == 0:
-            return None
-        said = done.stderr
-    return said
+def scope(name, code, is_body):
+    """An example in a namespace of its own. Errors name it."""
+    given = GIVEN.get(name, GIVEN.get(f"{name.rpartition('/')[0]}/", ""))
+    if is_body:
+        code = f"int example() {{\n{code}\nreturn 0;\n}}"
+    return (f"namespace example_{re.sub('[^a-z0-9]', '_', name)} {{\n#line 1 \"{name}\"\n"
+            f"using namespace servobus;\nusing namespace servobus::units;\n{given}\n{code}\n}}\n")
+
+
+def errors_of(compiler, before, examples):
+    """{name: (code, whether it is a function's body)}, in one program. None if it compiles."""
+    source = "".join(f"#include <servobus/{name}>\n" for name in examples)
+    source += "".join(scope(name, *example) for name, example in examples.items())
+    done = subprocess.run([*command(compiler), *before], input=source, capture_output=True, text=True, check=False)
+    return done.stderr if done.returncode else None
+
+
+def refused(compiler, before, examples):
+    """The examples that do not compile, with their errors. All are compiled together; those with errors alone, in
+    both forms."""
+    probable = {name: (code, bool(STATEMENT.search(code))) for name, code in examples.items()}
+    errors = errors_of(compiler, before, probable)
+    found = {}
+    if errors is not None:
+        for name in [name for name in examples if f"{name}:" in errors] or examples:
+            code, is_body = probable[name]
+            errors = errors_of(compiler, before, {name: (code, is_body)})
+            if errors and errors_of(compiler, before, {name: (code, not is_body)}):
+                found[name] = errors
+    return found
 
 
 def main():
@@ -123,12 +140,8 @@ def main():
 
 
 def check(compilers, folder):
-    before = {}
-    for compiler in compilers:
-        (Path(folder) / compiler).mkdir()
-        before[compiler] = precompile(compiler, Path(folder) / compiler)
-    failed = compiled = 0
-    without = {}
+    failed = 0
+    examples, without = {}, {}
     for header in sorted(HEADERS.rglob("*.hpp")):
         name = str(header.relative_to(HEADERS))
         room = name.split("/")[0]
@@ -144,16 +157,16 @@ def check(compilers, folder):
         if len(lines) > MOST_LINES:
             print(f"header_examples.py: the example of {name} has {len(lines)} lines")
             failed += 1
-        for compiler in compilers:
-            said = compiles(compiler, before[compiler], name, "\n".join(lines))
-            if said is not None:
-                print(f"header_examples.py: the example of {name} does not compile with {compiler}:\n{said[:1500]}")
-                failed += 1
-        compiled += 1
+        examples[name] = "\n".join(lines)
+    for compiler in compilers:
+        (Path(folder) / compiler).mkdir()
+        for name, errors in refused(compiler, precompile(compiler, Path(folder) / compiler), examples).items():
+            print(f"header_examples.py: the example of {name} does not compile with {compiler}:\n{errors[:1500]}")
+            failed += 1
     rest = ", ".join(f"{room} {count}" for room, count in without.items())
-    print(f"header_examples.py: {compiled} examples compile with {' and '.join(compilers)}, {failed} failed; "
+    print(f"header_examples.py: {len(examples)} examples compile with {' and '.join(compilers)}, {failed} failed; "
           f"headers without one: {rest or 'none'}")
-    return 1 if failed or compiled < 30 else 0
+    return 1 if failed or len(examples) < 30 else 0
 
 
 sys.exit(main())
