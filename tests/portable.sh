@@ -20,12 +20,14 @@ trap 'rm -rf "$build"' EXIT
 tests="tests/run/main.cpp tests/run/posix/posix.cpp tests/run/posix/tcp.cpp tests/run/line/mbap_port.cpp"
 flags="-std=c++20 -Wall -Wextra -Wpedantic -Wconversion -Wshadow -Werror -DSERVOBUS_PORTABLE_POSIX -Iinclude -I."
 
+# The tool's sources are one program text, as in CMake's unity build.
+ls examples/servobus/*.cpp examples/servobus/*/*.cpp | sed 's/.*/#include "&"/' >"$build/servobus.cpp"
 # shellcheck disable=SC2086
-ls $tests examples/servobus/*.cpp examples/servobus/*/*.cpp | xargs -P "${JOBS:-2}" -I{} sh -c '
+ls "$build/servobus.cpp" $tests | xargs -P "${JOBS:-2}" -I{} sh -c '
     source=$1; build=$2; shift 2
-    "$@" -c "$source" -o "$build/$(echo "${source%.cpp}" | tr / _).o" || exit 255' compile {} "$build" $CXX $flags ||
+    "$@" -c "$source" -o "$build/$(basename "$source").o" || exit 255' compile {} "$build" $CXX $flags ||
     { echo "portable.sh: FAILED, it does not compile"; exit 1; }
-$CXX "$build"/tests_*.o -o "$build/tests" && $CXX "$build"/examples_servobus_*.o -o "$build/servobus" || exit 1
+$CXX "$build/servobus.cpp.o" -o "$build/servobus" && rm "$build/servobus.cpp.o" && $CXX "$build"/*.o -o "$build/tests" || exit 1
 if nm -C "$build/servobus" | grep -qE ' U (ppoll|prctl|ptsname_r)\b'; then
     echo "portable.sh: FAILED, it calls what only Linux has"
     exit 1
