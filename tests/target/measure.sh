@@ -37,14 +37,24 @@ is_as_recorded() {
     }' || is_recorded=0
 }
 
-build() { # PROGRAM CORE FLAGS...: builds $work/program.elf
-    program=$1 core=$2
-    shift 2
+compile() { # NAME OBJECT CORE FLAGS...
+    text=$1 object=$2 core=$3
+    shift 3
     # shellcheck disable=SC2086
     arm-none-eabi-g++ -std=c++20 -Os -mcpu="$core" -mthumb -ffreestanding -fno-exceptions -fno-rtti \
         -fno-unwind-tables -fno-asynchronous-unwind-tables -ffunction-sections -fdata-sections $strict -Wno-psabi "$@" \
-        -Iinclude "$here/$program.cpp" "$here/board.cpp" "$here/drive.cpp" -nostartfiles --specs=nano.specs -Wl,--gc-sections \
-        -T "$here/target.ld" -o "$work/program.elf"
+        -Iinclude -c "$here/$text.cpp" -o "$object"
+}
+build() { # PROGRAM CORE FLAGS...: builds $work/program.elf. The board and its drive are compiled once for each choice of flags.
+    program=$1 core=$2
+    shift 2
+    beside="$work/$(echo "$core$*" | tr -c 'a-z0-9A-Z\n' _)"
+    compile "$program" "$work/program.o" "$core" "$@" || return 1
+    for part in board drive; do
+        [ -e "$beside.$part.o" ] || compile "$part" "$beside.$part.o" "$core" "$@" || return 1
+    done
+    arm-none-eabi-g++ -mcpu="$core" -mthumb "$work/program.o" "$beside.board.o" "$beside.drive.o" -nostartfiles \
+        --specs=nano.specs -Wl,--gc-sections -T "$here/target.ld" -o "$work/program.elf"
 }
 size_of() { # EXPRESSION: the value of an awk expression of text, data and bss
     arm-none-eabi-size "$work/program.elf" | awk "NR == 2 { print $1 }"
