@@ -15,7 +15,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parent.parent / "support"))
 from checks import ROOT, check, expect, finish, passes, run
 
 CXX = os.environ.get("CXX", "g++").split()
-FLAGS = ["-std=c++20", "-O2", "-Wall", "-Wextra", "-Werror", "-Iinclude", "-x", "c++", "-c", "-", "-o", "/dev/null"]
+FLAGS = ["-std=c++20", "-Wall", "-Wextra", "-Werror", "-Iinclude", "-fsyntax-only", "-x", "c++", "-"]
 FENCED = re.compile(r"^```(.*)\n((?:.*\n)*?)```$", re.M)
 
 
