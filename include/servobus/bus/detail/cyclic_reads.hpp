@@ -1,0 +1,277 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// The cyclic reads of a bus: which is due, its exchange, and its last values. A read of a node with a facade belongs to
+// that drive: it is sent while the drive knows of no restart, in the drive's word order. One read is under way at a
+// time. bus.hpp gives it its turn on the line.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <type_traits>
+
+#include <servobus/bus/detail/drive_list.hpp>
+#include <servobus/bus/detail/read_order.hpp>
+#include <servobus/bus/plan.hpp>
+#include <servobus/control/scheduling.hpp>
+#include <servobus/core/epoch.hpp>
+#include <servobus/core/status.hpp>
+#include <servobus/modbus/exchange.hpp>
+
+namespace servobus::detail {
+
+/// The reads of `Plan`, with the line and the drives of its bus.
+template <const auto& Plan, class Line, class... Drives> class cyclic_reads {
+  protected:
+    static constexpr std::size_t size = Plan.size;
+    static constexpr duration longest_idle = milliseconds(5);
+
+    constexpr explicit cyclic_reads(Line& on, Drives&... drives) : line_{&on}, drives_{drives...} {
+        const instant now = on.now();
+        last_retry_ = now;
+        for (std::size_t i = 0; i < size; ++i) {
+            states_[i].due = now;
+            use_word_order(i, Plan.polls[i].word_order);
+        }
+    }
+
+    constexpr bool is_read_on_the_wire() const { return reading_ != none && !is_read_waiting(); }
+    constexpr bool is_read_waiting() const {
+        return reading_ != none && exchange_.state() == modbus::exchange::phase::ready;
+    }
+    /// The time within which nothing happens unless a byte arrives.
+    constexpr duration step_reads() {
+        if constexpr (size == 0) {
+            return longest_idle;
+        } else {
+            // The program may have been stopped since it was begun.
+            if (is_read_waiting() && !may_be_read(reading_)) {
+                line_->abandon(exchange_);
+                reading_ = none;
+            }
+            if (reading_ == none) {
+                const duration idle = begin_due();
+                if (reading_ == none) return idle;
+            }
+            const duration idle = line_->step(exchange_, Plan.polls[reading_].gaps);
+            if (!exchange_.done()) return idle;
+            conclude();
+            return {};
+        }
+    }
+    // Drops the values of reads whose drive is not known any more. Such a read is due as soon as it is known again.
+    constexpr void drop_values_of_lost_drives() {
+        if constexpr (Plan.drives != 0) {
+            drives_.each([this](std::size_t k, auto& drive) {
+                if (!has_reads.of[k] || scheduling::may_be_read(drive)) return;
+                for (std::size_t i = 0; i < size; ++i) {
+                    if (Plan.polls[i].node_address != Plan.controlled[k].address) continue;
+                    states_[i].has_values = false;
+                    states_[i].failures = 0;
+                }
+                pause_ = {};
+            });
+        }
+    }
+    // Drops values so old that the clock may wrap: they would seem new then.
+    constexpr void drop_old_values() {
+        const instant now = line_->now();
+        if (since(dropped_at_, now) < longest_pause) return;
+        dropped_at_ = now;
+        for (state& s : states_) s.has_values = has_values(s, now);
+    }
+    // Ok, or the reason why a read has no values that are young enough.
+    constexpr status why_not(std::size_t i, duration oldest, [[maybe_unused]] bool is_of_pairs) const {
+        const state& s = states_[i];
+        if (!is_known(i)) return errc::needs_init;
+        const instant now = line_->now();
+        if (!has_values(s, now) || since(s.taken, now) > oldest)
+            return s.why.error() == errc::ok ? status{errc::timeout} : s.why;
+        if constexpr (Plan.has_pairs) {
+            if (is_of_pairs && order_of(i) == word_order::unknown) return errc::needs_word_order;
+            if (is_of_pairs && order_of(i) != s.order.taken_in) return errc::timeout;
+        }
+        return {};
+    }
+    template <class Values>
+    constexpr result<Values> latest_of(std::size_t i, std::size_t offset, duration oldest) const {
+        if (const status why = why_not(i, oldest, Values::has_pairs); !why) return why;
+        Values v{taken_in(i)};
+        const auto words = v.words();
+        for (std::size_t k = 0; k < words.size(); ++k) words[k] = words_[offset + k];
+        return v;
+    }
+    constexpr void use_word_order([[maybe_unused]] std::size_t i, [[maybe_unused]] word_order order) {
+        if constexpr (Plan.has_pairs)
+            states_[i].order.learned = {order, line_->epoch(Plan.polls[i].node_address)};
+    }
+    /// True while the node does not respond to its reads and is asked less often.
+    constexpr bool is_asked_less(std::uint8_t node_address) const {
+        const instant now = line_->now();
+        for (std::size_t i = 0; i < size; ++i) {
+            if (Plan.polls[i].node_address == node_address && is_asked_less(i, now)) return true;
+        }
+        return false;
+    }
+    /// Good responses to read number `i`.
+    constexpr std::uint32_t responses(std::size_t i) const { return states_[i].count; }
+    constexpr std::uint16_t read_ticket() const { return exchange_.ticket(); }
+
+    Line* line_;
+    [[no_unique_address]] drive_list<Drives...> drives_;
+
+  private:
+    static constexpr std::size_t none = size;
+    static constexpr duration longest_pause = milliseconds(1000); // between searches through all reads
+
+    struct state {
+        instant due{};
+        instant taken{};
+        std::uint32_t count = 0;
+        status why{};
+        std::uint8_t failures = 0;
+        bool has_values = false;
+        [[no_unique_address]] read_order<Plan.has_pairs> order;
+    };
+
+    // The drives that have cyclic reads.
+    struct flags {
+        bool of[Plan.drives + 1]{};
+    };
+    static constexpr flags has_reads = [] {
+        flags has{};
+        for (std::size_t i = 0; i < size; ++i) has.of[Plan.drive_at(Plan.polls[i].node_address)] = true;
+        return has;
+    }();
+
+    // Calls `call(drive)` with the facade of read number `i`'s node, if it has one.
+    template <class Call> constexpr void with_drive_of(std::size_t i, Call&& call) const {
+        const std::size_t own = Plan.drive_at(Plan.polls[i].node_address);
+        drives_.each([&](std::size_t k, auto& drive) {
+            if (k == own) call(drive);
+        });
+    }
+    // True if the node may be read: it has no facade, or one that knows of no restart.
+    constexpr bool may_be_read(std::size_t i) {
+        bool may = true;
+        with_drive_of(i, [&](auto& drive) { may = scheduling::may_be_read(drive); });
+        return may;
+    }
+    constexpr bool is_known(std::size_t i) const {
+        bool is = true;
+        with_drive_of(i, [&](const auto& drive) { is = scheduling::is_known(drive); });
+        return is;
+    }
+    // The word order of a read's values; without 32-bit values there is none.
+    constexpr word_order taken_in([[maybe_unused]] std::size_t i) const {
+        if constexpr (Plan.has_pairs)
+            return states_[i].order.taken_in;
+        else
+            return word_order::high_first;
+    }
+    // The word order of the node's facade. Without one: the learned one, or the one that the node was made with if the
+    // node may have restarted since.
+    constexpr word_order order_of(std::size_t i) const {
+        const verified<word_order>& learned = states_[i].order.learned;
+        const bool holds = learned.holds(line_->epoch(Plan.polls[i].node_address));
+        word_order order = holds ? learned.value : Plan.polls[i].word_order;
+        with_drive_of(i, [&](const auto& drive) {
+            if constexpr (requires { drive.current_word_order(); }) order = drive.current_word_order();
+        });
+        return order;
+    }
+    // A keep-alive read does not back off until the node's own watchdog has passed: the node may still receive it.
+    constexpr bool is_asked_less(std::size_t i, instant now) const {
+        const state& s = states_[i];
+        const duration alive = Plan.polls[i].keep_alive;
+        return s.failures >= Plan.rules().failures &&
+               (alive == duration{} || !has_values(s, now) || since(s.taken, now) > alive);
+    }
+    constexpr bool has_values(const state& s, instant now) const {
+        return s.has_values && since(s.taken, now) <= longest_period;
+    }
+
+    // Begins the read that has waited longest. Returns the time to the next one. A search that finds none is not
+    // repeated before the first is due: a step costs the same, however many reads there are.
+    constexpr duration begin_due() {
+        const instant now = line_->now();
+        if (const duration passed = since(searched_at_, now); passed < pause_)
+            return shorter_of(pause_ - passed, longest_idle);
+        std::size_t best = none;
+        duration waited{};
+        duration next = longest_pause;
+        bool is_any_lost = false; // such a read is due as soon as its drive is known
+        for (std::size_t i = 0; i < size; ++i) {
+            const state& s = states_[i];
+            const duration ahead = since(now, s.due); // beyond a period the clock has jumped or wrapped
+            if (went_back(s.due, now) && ahead <= Plan.polls[i].period) {
+                next = shorter_of(next, ahead);
+            } else if (is_asked_less(i, now) && since(last_retry_, now) < Plan.rules().retry_every) {
+                next = shorter_of(next, Plan.rules().retry_every - since(last_retry_, now));
+            } else if (!may_be_read(i)) {
+                is_any_lost = true;
+            } else if (best == none || since(s.due, now) > waited) {
+                best = i;
+                waited = since(s.due, now);
+            }
+        }
+        searched_at_ = now;
+        pause_ = best == none && !is_any_lost ? next : duration{};
+        if (best == none) return shorter_of(next, longest_idle);
+        schedule(best, now);
+        begin(best);
+        return {};
+    }
+    constexpr void schedule(std::size_t i, instant now) {
+        const poll& p = Plan.polls[i];
+        state& s = states_[i];
+        if (is_asked_less(i, now)) last_retry_ = now;
+        // A read that came late is not sent twice: the next one is due a period after this one.
+        s.due = since(s.due, now) < p.period ? s.due + p.period : now + p.period;
+    }
+    constexpr void begin(std::size_t i) {
+        const poll& p = Plan.polls[i];
+        request_[0] = p.node_address;
+        const std::size_t pdu = modbus::put_read_request(
+            byte_buffer{request_}.subspan(1), modbus::function::read_holding_registers, p.address, p.words);
+        exchange_ =
+            modbus::exchange{bytes{request_}.first(modbus::close_frame<modbus::exchange::crc>(request_, pdu)),
+                             response_, line_->timing(), p.limits, priority::planned};
+        reading_ = i;
+    }
+    constexpr void conclude() {
+        state& s = states_[reading_];
+        s.why = exchange_.status();
+        if (s.why.error() == errc::ok) {
+            const std::size_t at = Plan.offset_of(reading_);
+            for (std::size_t i = 0; i < exchange_.words().size(); ++i) words_[at + i] = exchange_.words()[i];
+            s.taken = line_->began_at();
+            if constexpr (Plan.has_pairs) s.order.taken_in = order_of(reading_);
+            s.has_values = true;
+            ++s.count;
+        }
+        if (s.why.has_response()) {
+            s.failures = 0;
+        } else if (s.failures < Plan.rules().failures) {
+            ++s.failures;
+        }
+        // A read that took longer than its period goes after those that became due meanwhile.
+        if (const instant now = line_->now(); !went_back(s.due, now)) s.due = now;
+        reading_ = none;
+    }
+
+    static constexpr std::size_t at_least_one(std::size_t n) { return n == 0 ? 1 : n; }
+
+    state states_[at_least_one(size)]{};
+    std::uint16_t words_[at_least_one(Plan.words)]{};
+    std::uint8_t response_[Plan.response_room]{};
+    std::uint8_t request_[8]{};
+    modbus::exchange exchange_{};
+    instant last_retry_{};
+    instant searched_at_{}; // for a read that is due
+    duration pause_{};      // after that, within which none becomes due
+    instant dropped_at_{};  // old values
+    std::size_t reading_ = none;
+};
+
+} // namespace servobus::detail
