@@ -29,6 +29,7 @@ class request_machine {
         reading,
         transacting, ///< any function: it may write
         writing,
+        looking,      ///< for a device at an address (scan.hpp)
         asking_first, ///< a read of the register that is to be written, before a setting of the line is
         checking,     ///< such a read after a write whose response may have been its echo
     };
@@ -42,6 +43,7 @@ class request_machine {
     }
     /// A write that goes on after its response.
     static constexpr request_machine check() { return request_machine{stage::checking}; }
+    static constexpr request_machine look() { return request_machine{stage::looking}; }
 
     constexpr stage now() const { return stage_; }
     constexpr bool done() const { return stage_ == stage::ended; }
@@ -78,6 +80,21 @@ class request_machine {
         }
         stage_ = stage::ended;
         return false;
+    }
+
+    /// A look has ended with `why`; `has_heard`: anything came. True if it is to be repeated, which is done once: bytes
+    /// that are no response may be one that was hurt. An answer, silence and a failure of the port end it at once.
+    constexpr bool looks_again(const status& why, bool has_heard) {
+        const bool repeats = is_garbled(why, has_heard) && attempts_++ == 0;
+        if (!repeats) stage_ = stage::ended;
+        return repeats;
+    }
+    /// What came is no response. A garbled character is what two devices, or another baud rate, look like to a UART.
+    static constexpr bool is_garbled(const status& why, bool has_heard) {
+        if (why.error() == errc::receive_failed) return true;
+        // A timeout too: bytes of another node, or that were ignored until a gap, may have come.
+        if (why.error() == errc::timeout) return has_heard;
+        return why.error() >= errc::no_echo && why.error() != errc::gateway_exception && !why.has_response();
     }
 
     /// The call is given up; `came` is how its request ended. Returns how the call ended.

@@ -14,6 +14,7 @@
 #include <array>
 #include <cstdint>
 
+#include <servobus/client/request_machine.hpp>
 #include <servobus/line/line.hpp>
 
 namespace servobus {
@@ -40,23 +41,21 @@ template <class Line>
 constexpr finding look_for(Line& on, std::uint8_t node_address, const response_limits& limits,
                            std::uint16_t address = 0) {
     const modbus::frame<8> request = modbus::read_frame<typename Line::crc>(node_address, address, 1);
-    finding found;
-    for (int attempt = 0; attempt < 2; ++attempt) {
-        std::array<std::uint8_t, 7> response{};
-        modbus::exchange x{request, response, on.timing(), limits};
+    std::array<std::uint8_t, 7> response{};
+    modbus::exchange x;
+    request_machine call = request_machine::look();
+    do {
+        x = modbus::exchange{request, response, on.timing(), limits};
         on.run(x, {});
-        found.why = x.status();
-        if (x.status().error() == errc::ok) return {presence::present, true, x.words()[0], {}};
-        if (x.status().has_response()) return {presence::present, false, 0, x.status()};
-        if (x.status().error() == errc::gateway_exception) return found; // the gateway got no response
-        // A garbled character is what two devices, or another baud rate, look like to a UART.
-        if (x.status().error() < errc::no_echo && x.status().error() != errc::receive_failed)
-            return {presence::failed, false, 0, x.status()};
-        // A timeout too: bytes of another node, or that were ignored until a gap, may have come.
-        if (x.status().error() == errc::timeout && !x.has_received()) return found;
-    }
-    found.what = found.why.error() == errc::no_echo ? presence::failed : presence::garbled;
-    return found;
+    } while (call.looks_again(x.status(), x.has_received()));
+    const status why = x.status();
+    if (why.error() == errc::ok) return {presence::present, true, x.words()[0], {}};
+    if (why.has_response()) return {presence::present, false, 0, why};
+    if (why.error() == errc::no_echo) return {presence::failed, false, 0, why};
+    if (request_machine::is_garbled(why, x.has_received())) return {presence::garbled, false, 0, why};
+    // After a gateway's exception too: the gateway got no response.
+    const bool is_silent = why.error() == errc::timeout || why.error() == errc::gateway_exception;
+    return {is_silent ? presence::no_response : presence::failed, false, 0, why};
 }
 
 } // namespace servobus

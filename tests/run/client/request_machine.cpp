@@ -133,6 +133,40 @@ TEST_CASE("G3: any other function is sent once, and its response is refused if i
     });
 }
 
+TEST_CASE("a look is repeated once, and only if what came was no response") {
+    struct answer {
+        status end;
+        bool has_heard;
+        bool is_garbled;
+    };
+    const answer answers[] = {
+        {status::sent(errc::ok), true, false},
+        {exception(4), true, false},
+        {status::sent(errc::acknowledged), true, false},
+        {status::sent(errc::gateway_exception), true, false},
+        {status::sent(errc::timeout), false, false},
+        {status::sent(errc::timeout), true, true},
+        {status::sent(errc::bad_crc), true, true},
+        {status::sent(errc::wrong_byte_count), true, true},
+        {status::sent(errc::receive_failed), true, true},
+        {status::sent(errc::receive_failed), false, true},
+        {status{errc::port_lost}, false, false},
+        {status::sent(errc::port_lost), true, false},
+        {status{errc::busy}, true, false},
+    };
+    for (const answer& first : answers) {
+        for (const answer& second : answers) {
+            request_machine call = request_machine::look();
+            CHECK(call.now() == stage::looking);
+            CHECK(call.looks_again(first.end, first.has_heard) == first.is_garbled);
+            CHECK(call.done() == !first.is_garbled);
+            if (!first.is_garbled) continue;
+            CHECK_FALSE(call.looks_again(second.end, second.has_heard));
+            CHECK(call.done());
+        }
+    }
+}
+
 TEST_CASE("G16: a call that is given up says what is known of its write") {
     request_machine read = request_machine::read();
     CHECK(read.given_up(errc::busy) == status{errc::busy});
