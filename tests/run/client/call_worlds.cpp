@@ -53,6 +53,7 @@ enum class fault : std::uint8_t {
     echoed, // the request comes back, and no response
     hurt,   // exception 1: the device says that it received a damaged request
     refused,
+    accepted, // exception 5: the device goes on with it and has not finished
     end
 };
 
@@ -76,12 +77,15 @@ struct world {
     std::array<fault, 4> faults{}; // of the requests of the call, in their order
     bool is_echo_possible = false;
     bool has_stated_order = false; // the node was made with another one than the device has
+    bool learns_anew = false;      // a stepped call waits, and meanwhile word order and token are read again
     std::uint8_t retries = 2;
 };
 
 // The course of a call, as seen from outside.
 struct course {
     std::vector<byte_list> frames; // of the call
+    std::vector<byte_list>
+        afterwards; // writes after it that need the word order or the token of before its end
     std::map<std::uint16_t, std::uint16_t> words;
     errc error = errc::ok;
     outcome how = outcome::not_sent;
@@ -89,6 +93,8 @@ struct course {
     std::array<unsigned, static_cast<std::size_t>(fault::end)> played{};
     bool operator==(const course&) const = default;
 };
+
+bool is_write(const byte_list& frame) { return frame[1] != 0x03; }
 
 template <class Port> using full_line = line<Port>;
 template <class Port> using small_line = blocking_line<Port, modbus::timing_at(115200)>;
@@ -145,12 +151,13 @@ template <class Line> struct stage {
 
     void respond(scripted_port& p, const tests::sent_frame& f) {
         const fault now = is_on && asked < in.faults.size() ? in.faults[asked++] : fault::none;
-        ++seen.played[static_cast<std::size_t>(now)];
+        if (is_on) ++seen.played[static_cast<std::size_t>(now)];
         if (now == fault::request_lost) return;
         if (now == fault::echoed) return p.say(500, f.data);
         if (now == fault::hurt || now == fault::refused)
             return p.say(500, tests::exception_response(1, f.data[1], now == fault::hurt ? 1 : 4));
         byte_list said = file.response_to(f.data);
+        if (now == fault::accepted) return p.say(500, tests::exception_response(1, f.data[1], 5));
         if (now == fault::response_lost) return;
         if (now == fault::damaged) said[said.size() - 3] ^= 0x10;
         if (now == fault::cut) said.resize(said.size() - 2);
@@ -163,7 +170,24 @@ template <class Line> struct stage {
         seen.value = value;
         for (const auto& f : port.frames) seen.frames.push_back(f.data);
         seen.words = file.words;
+        is_on = false;
+        port.frames.clear();
+        (void)drive->template write<fixture::kept>(6, *token);
+        (void)drive->template write<fixture::place>(3 * units::pulse);
+        for (const auto& f : port.frames) {
+            if (is_write(f.data)) seen.afterwards.push_back(f.data);
+        }
         return seen;
+    }
+    // While a stepped call waits for its turn.
+    void learn_anew() {
+        is_on = false;
+        const auto before = port.frames;
+        if (drive->learn_word_order()) {
+            if (const auto now = drive->ram_only()) token = *now;
+        }
+        port.frames = before;
+        is_on = true;
     }
 };
 
@@ -204,6 +228,7 @@ course play_stepped(const world& in) {
     auto& d = *s.drive;
     const auto finish = [&](errc begun, auto& c) {
         if (begun != errc::ok) return status{begun};
+        if (in.learns_anew) s.learn_anew();
         for (int i = 0; i < 20'000 && !c.done(); ++i) {
             (void)c.step();
             s.port.time += 100;
@@ -269,25 +294,37 @@ course play_stepped(const world& in) {
 }
 
 // True if a request that this fault hits gets a valid response, be it a refusal.
-bool has_response(fault f) { return f == fault::none || f == fault::hurt || f == fault::refused; }
+bool has_response(fault f) {
+    return f == fault::none || f == fault::hurt || f == fault::refused || f == fault::accepted;
+}
+bool is_refusal(fault f) { return f == fault::hurt || f == fault::refused; }
 
 // True if a client that has learned nothing of its node can make the call.
 bool needs_nothing(call c) { return c == call::read_one || c == call::write_one || c == call::write_address; }
 
 bool needs_token(call c) { return c == call::write_kept || c == call::write_delay; }
 
-// Judges by the frames on the wire: a write leaves once, and not after a missing response has made its token stale.
+// Judges by the frames on the wire: a write leaves once, and not after a missing response, or a write of the switch,
+// has made its token stale.
 void judge(const world& in, const course& of) {
     unsigned writes = 0;
     bool is_void = false;
+    bool may_be_set = false;
     for (std::size_t i = 0; i < of.frames.size(); ++i) {
-        const bool is_write = of.frames[i][1] != 0x03;
-        if (is_write) {
+        if (is_write(of.frames[i])) {
             ++writes;
             if (needs_token(in.what)) CHECK_FALSE(is_void);
         }
         const fault f = i < in.faults.size() ? in.faults[i] : fault::none;
-        is_void = is_void || !has_response(f);
+        // The echo of a function 06 is its response once an echo is ruled out.
+        is_void = is_void || !(has_response(f) || (f == fault::echoed && of.frames[i][1] == 0x06));
+        may_be_set = may_be_set || (is_write(of.frames[i]) && !is_refusal(f));
+    }
+    // The switch, or the word order, may have been set: what was read of it before is not used any more.
+    for (const byte_list& later : of.afterwards) {
+        const bool has_order = later[1] == 0x10;
+        if (has_order) CHECK_FALSE((may_be_set && in.what == call::write_order));
+        if (!has_order) CHECK_FALSE((is_void || (may_be_set && in.what == call::write_wear)));
     }
     CHECK(writes <= 1); // G15
     if (in.what <= call::read_parts) CHECK(of.frames.size() <= 2 * (in.retries + 1u));
@@ -309,6 +346,7 @@ world drawn(tests::dice& by) {
     }
     in.is_echo_possible = by.below(2) != 0;
     in.has_stated_order = by.below(2) != 0;
+    in.learns_anew = !in.is_echo_possible && by.below(2) != 0; // a read rules out an echo
     in.retries = static_cast<std::uint8_t>(by.below(4));
     return in;
 }

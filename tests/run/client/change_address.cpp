@@ -155,6 +155,22 @@ TEST_CASE("S6: an address is not changed to one that is taken, or that the devic
     CHECK(r.at.node().address == 1);
 }
 
+TEST_CASE("S6, G27: an address is taken if two drives respond there at once, so that no response is valid") {
+    rig r;
+    movable first;
+    movable second;
+    first.in_force = first.held = second.in_force = 7;
+    second.held = 0x5A; // its response differs
+    sim::station one{first};
+    sim::station other{second};
+    r.wire.attach(one);
+    r.wire.attach(other);
+    REQUIRE(look_for(r.line, 7, r.at.node().limits, own_address.address).what == presence::garbled);
+    CHECK(r.change().error() == errc::busy);
+    CHECK(r.device.writes == 0);
+    CHECK(r.at.node().address == 1);
+}
+
 TEST_CASE("S6: an address is taken if any of several reads gets a response there, even a late one") {
     rig r;
     hard_to_hear neighbour;

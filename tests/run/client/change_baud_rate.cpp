@@ -74,6 +74,18 @@ TEST_CASE("G24: a drive that takes its new rate when it starts again is reported
     tests::play_a_change_at_power_on<rig>();
 }
 
+TEST_CASE("G7, G24: a change of the baud rate keeps the kind of timing and the longest pause in a response") {
+    rig r;
+    modbus::timing_mode mode{};
+    SUBCASE("host timing") { mode = modbus::timing_mode::host; }
+    SUBCASE("strict timing") { mode = modbus::timing_mode::strict; }
+    REQUIRE(r.line.retime(modbus::timing_at(faster.from, mode, milliseconds(50))) == errc::ok);
+    CHECK(r.change());
+    CHECK(r.is_at(faster.to));
+    CHECK(r.line.timing().mode == mode);
+    CHECK(r.line.timing().inter_byte == milliseconds(50));
+}
+
 TEST_CASE(
     "G24: a change of the baud rate that the drive, the line or the port refuses ends with its reason") {
     rig r;

@@ -208,8 +208,17 @@ TEST_CASE("G18: a PDU of the program that may write invalidates a `ram_only` tok
     const auto proof = r.drive.ram_only();
     REQUIRE(proof);
     std::array<std::uint8_t, 5> response{};
-    CHECK(r.drive.transact(std::array<std::uint8_t, 5>{6, 0x0C, 0x0D, 0, 1}, response));
+    const std::array<std::uint8_t, 5> switches_on{6, 0x0C, 0x0D, 0, 1};
+    SUBCASE("that was done") { CHECK(r.drive.transact(switches_on, response)); }
+    SUBCASE("that the drive has accepted and goes on with (exception 5)") {
+        r.port.device = [&](tests::scripted_port& p, const tests::sent_frame& f) {
+            p.say(500, tests::exception_response(1, f.data[1], 5));
+        };
+        CHECK(r.drive.transact(switches_on, response).outcome() == outcome::unknown);
+    }
+    const std::size_t before = r.frames();
     CHECK(r.drive.write<fixture::kept>(5, *proof).error() == errc::needs_init);
+    CHECK(r.frames() == before);
 }
 
 TEST_CASE("G17: a register that wears the EEPROM is stored by name, or written with a `ram_only` token") {

@@ -212,6 +212,38 @@ TEST_CASE("G21, G22: what was read with a word order that became void is not del
     CHECK(several.value().error() == errc::needs_word_order);
 }
 
+TEST_CASE("G22: a value that was read stays the same when its node's word order becomes another one") {
+    rig<yako::closed_loop::device> r;
+    r.file.words[0x0019] = 1; // low word first
+    for (u16 a = 0x0006; a < 0x0010; ++a) r.file.words[a] = a;
+    node<yako::closed_loop::device> stated{1};
+    stated.word_order = word_order::high_first;
+    client drive{r.on, stated};
+    REQUIRE(drive.learn_word_order());
+    stepped_read<yako_client, yako::actual_position> one{drive};
+    stepped_read<yako_client, yako::status_word, yako::actual_position> several{drive};
+    const auto take_all = [&] {
+        const auto alone = one.value();
+        const auto among = several.value();
+        REQUIRE(alone);
+        REQUIRE(among);
+        return std::array{*alone, among->get<yako::actual_position>()};
+    };
+    REQUIRE(one.begin() == errc::ok);
+    finish(r, one);
+    REQUIRE(several.begin() == errc::ok);
+    finish(r, several);
+    const auto taken = take_all();
+    constexpr u16 at = yako::actual_position.address;
+    CHECK(taken[0] == taken[1]);
+    CHECK(taken[0].count() == (at + 1) * 0x1'0000 + at);
+
+    r.port.device = nullptr; // no response: what was learned is stale, and the stated word order holds again
+    CHECK(drive.read<yako::status_word>().error() == errc::timeout);
+    CHECK(drive.node().word_order == word_order::high_first);
+    CHECK(take_all() == taken);
+}
+
 TEST_CASE("G3: before a stepped write of a setting of the line leaves, an echo is ruled out") {
     for (const bool was_ruled_out : {false, true}) {
         CAPTURE(was_ruled_out);
