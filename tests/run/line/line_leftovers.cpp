@@ -5,6 +5,7 @@
 // of its port. None of them may disturb the next exchange.
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <functional>
@@ -29,13 +30,18 @@ const byte_list stop = framed({0x01, 0x06, 0x20, 0x0E, 0x00, 0x07});
 const byte_list late_words = tests::read_response(1, {0x1111});
 const byte_list own_words = tests::read_response(1, {0x0960});
 
-/// Calls a function just before each call of `send`.
+/// Calls a function just before each call of `send`, and of `sent`.
 struct interrupted_port : scripted_port {
     std::function<void(interrupted_port&)> before_send;
+    std::function<void(interrupted_port&)> before_sent;
 
     servobus::transfer send(servobus::bytes out) {
         if (before_send) before_send(*this);
         return scripted_port::send(out);
+    }
+    bool sent() {
+        if (before_sent) before_sent(*this);
+        return scripted_port::sent();
     }
 };
 
@@ -98,9 +104,12 @@ TEST_CASE("G2: a response that arrives after its exchange ended with a garbled c
 }
 
 TEST_CASE("G1: nothing follows a truncated request until what the port has of it has left") {
-    for (const bool is_stop : {false, true}) {
+    for (const unsigned way : {0u, 1u, 2u, 3u}) {
+        const bool is_stop = (way & 1u) != 0;
+        const bool is_stopped = (way & 2u) != 0;
         for (const std::size_t taken : {1u, 4u, 7u, 8u}) {
             CAPTURE(is_stop);
+            CAPTURE(is_stopped);
             CAPTURE(taken);
             rig r;
             r.port.character_us = 9'167;
@@ -115,6 +124,9 @@ TEST_CASE("G1: nothing follows a truncated request until what the port has of it
             r.port.takes_at_most = 1000;
             const priority how = is_stop ? priority::stop : priority::ordinary;
             exchange next{stop, r.room[1], slow.timing(), r.limits, how};
+            // The program is stopped, once, until the rest has left.
+            if (is_stopped)
+                r.port.before_sent = [=](interrupted_port& p) { p.time = std::max(p.time, rest_leaves); };
             while (r.port.bytes_sent() == taken && !next.done()) slow.step(next, r.gaps);
             REQUIRE(r.port.bytes_sent() == taken + stop.size());
             const std::uint64_t begun = r.port.frames.back().end - 8u * 9'167u;
@@ -146,27 +158,32 @@ TEST_CASE("G1: bytes that arrived before the port took a request are no part of 
 }
 
 TEST_CASE("G1: the gap before a request is measured up to the time before the receiver was emptied") {
-    for (const std::uint32_t before_the_look : {0u, 300u, 1'700u}) {
-        CAPTURE(before_the_look);
-        rig r;
-        r.port.device = [](scripted_port& p, const tests::sent_frame&) { p.say(500, own_words); };
-        exchange x = r.make(read_one, 0);
-        r.on.step(x, r.gaps);
-        REQUIRE(x.state() == exchange::phase::ready); // it waits for the gap
-        // The program is stopped for 10 ms while it reads the clock, and a byte arrives shortly before the
-        // end.
-        std::uint64_t byte_at = 0;
-        r.port.clock = [&](std::uint64_t t) {
-            if (byte_at == 0) {
-                t = r.port.time += 10'000;
-                byte_at = t - before_the_look;
-                r.port.arrive(byte_at, 0x55);
-            }
-            return static_cast<std::uint32_t>(t);
-        };
-        r.finish(x);
-        CHECK(x.status() == errc::ok);
-        CHECK(r.port.frames.back().begin >= byte_at + 1'750);
+    for (const unsigned reading : {1u, 2u, 3u, 4u}) {
+        for (const std::uint32_t before_the_end : {0u, 300u, 1'700u}) {
+            CAPTURE(reading);
+            CAPTURE(before_the_end);
+            rig r;
+            r.port.device = [](scripted_port& p, const tests::sent_frame&) { p.say(500, own_words); };
+            exchange x = r.make(read_one, 0);
+            r.on.step(x, r.gaps);
+            REQUIRE(x.state() == exchange::phase::ready); // it waits for the gap
+            // In one of the readings of its clock the program is stopped for 10 ms, and a byte arrives shortly
+            // before the end.
+            std::uint64_t byte_at = 0;
+            unsigned readings = 0;
+            r.port.clock = [&](std::uint64_t t) {
+                if (++readings == reading) {
+                    t = r.port.time += 10'000;
+                    byte_at = t - before_the_end;
+                    r.port.arrive(byte_at, 0x55);
+                }
+                return static_cast<std::uint32_t>(t);
+            };
+            r.finish(x);
+            CHECK(x.status() == errc::ok);
+            REQUIRE(byte_at != 0);
+            CHECK(r.port.frames.back().begin >= byte_at + 1'750);
+        }
     }
 }
 
