@@ -551,6 +551,23 @@ TEST_CASE("G28: a drive that refuses a read is present, and is read as often as 
     }
 }
 
+TEST_CASE("reads keep their rate on average, though the program's loop begins each one late") {
+    for (const std::uint32_t loop_us : {1'000u, 2'000u, 3'000u}) {
+        CAPTURE(loop_us);
+        rig_of_stores<> r;
+        r.all.run_for(milliseconds(500));
+        const std::uint32_t before = r.all.count(0);
+        const instant start = r.wire.now();
+        for (std::uint32_t loops = 1; loops <= 10'000'000 / loop_us; ++loops) {
+            r.all.step();
+            const instant next = start + microseconds(loops * loop_us);
+            while (went_back(next, r.wire.now())) r.wire.wait(since(r.wire.now(), next));
+        }
+        CHECK(r.all.count(0) - before >= 499); // one every 20 ms
+        CHECK(r.all.count(0) - before <= 501);
+    }
+}
+
 TEST_CASE("G28: a drive stays absent as long as it does not respond") {
     rig_of_stores<with_hasty_retries> r;
     r.wire.set_connected(0, false);

@@ -330,6 +330,26 @@ TEST_CASE("G28: the program's own request has its turn on a line that the bus al
     CHECK(own.good > 80);
 }
 
+TEST_CASE(
+    "G28: of the requests that wait beside a bus, the one that has waited longest counts, in whatever order "
+    "the program steps them") {
+    for (const std::uint16_t first : {std::uint16_t{1}, std::uint16_t{0x7FFF}, std::uint16_t{0xFFF0}}) {
+        CAPTURE(first);
+        const auto later = static_cast<std::uint16_t>(first + 20); // tickets wrap
+        other_requests others;
+        CHECK(others.take_waiting() == 0);
+        others.note_waiting(later);
+        others.note_waiting(first);
+        CHECK(others.take_waiting() == first);
+        others.note_waiting(first);
+        others.note_waiting(later);
+        CHECK(others.take_waiting() == first);
+        CHECK(others.take_waiting() == 0); // one that still waits is noted again
+        others.note_waiting(later);
+        CHECK(others.take_waiting() == later);
+    }
+}
+
 TEST_CASE("G28: a silent node is due again after each window, however long a plan makes it") {
     for (const std::uint32_t window_ms : {1000u, 29'000u, 34'000u, 67'000u, 1'800'000u}) {
         CAPTURE(window_ms);
