@@ -40,7 +40,6 @@ template <class Link> class stepped_request {
     constexpr void cancel() {
         if (done()) return;
         link_->line().abandon(exchange_);
-        if (machine_.now() == stage::writing) link_->invalidate(stale_);
         end(machine_.given_up(exchange_.status()));
     }
 
