@@ -52,6 +52,47 @@ TEST_CASE("a read that is due while its drive is unknown is sent as soon as the 
     }
 }
 
+constexpr poll_plan steady{modbus::timing_at(115200), controlled(wheels_node, unsupervised),
+                           cyclic<zlac8015d::bus_voltage>(wheels_node, milliseconds(100)),
+                           cyclic<yako::status_word>(lift_node, milliseconds(100))};
+
+TEST_CASE(
+    "G28: the reads of a drive that was absent have their rate again once it is known, whichever other node "
+    "is still absent") {
+    for (const std::uint32_t later_ms : {0u, 250u, 500u, 750u}) {
+        CAPTURE(later_ms);
+        tests::wheels_and_lift machine;
+        wire on{machine.wire, modbus::timing_at(115200)};
+        zlac8015d::drive wheels{on, wheels_node, unsupervised};
+        auto all = make_bus<steady>(on, wheels);
+        const auto step = [&] {
+            const duration idle = all.step();
+            on.port().wait(idle.us == 0 ? microseconds(1) : idle);
+        };
+        const auto run_for = [&](std::uint32_t ms) {
+            for (const std::uint64_t end = machine.wire.time_us() + ms * 1000u; machine.wire.time_us() < end;)
+                step();
+        };
+        const auto init = [&] {
+            REQUIRE(wheels.begin(zlac8015d::init{}) == errc::ok);
+            while (!wheels.is_idle()) step();
+            REQUIRE(wheels.last());
+        };
+        init();
+        run_for(500);
+        REQUIRE(all.count(0) >= 4);
+        machine.wire.set_connected(0, false);
+        machine.wire.set_connected(1, false);
+        while (wheels.state() != zlac8015d::drive_state::needs_init) step();
+        run_for(later_ms);
+        const std::uint32_t before = all.count(0);
+        machine.wire.set_connected(0, true);
+        init();
+        run_for(350);
+        CHECK(all.count(0) - before >= 3);
+    }
+}
+
 TEST_CASE("each read is sent when its period is over") {
     tests::wheels_and_lift machine;
     wire on{machine.wire, modbus::timing_at(115200)};

@@ -17,6 +17,8 @@
 #include <servobus/sim/yako.hpp>
 #include <servobus/sim/zlac8015d.hpp>
 
+#include <tests/support/scripted_port.hpp>
+
 namespace other_requests_tests {
 
 using namespace servobus;
@@ -41,6 +43,19 @@ constexpr poll_plan plan{
     controlled(wheels_node, {.feedback = milliseconds(20), .command_timeout = milliseconds(500)})
         .commands(milliseconds(40)),
     own_requests(sensor_node, milliseconds(50), 2), own_requests(second_node, milliseconds(50), 2)};
+
+/// A request of the program takes 20 ms on the wire.
+constexpr poll_plan with_long_writes{
+    modbus::timing_at(115200),
+    controlled(wheels_node, {.feedback = milliseconds(100), .command_timeout = no_command_timeout}),
+    own_requests(sensor_node, milliseconds(500), 100)};
+
+/// The bus reads the node of the program's requests too.
+constexpr poll_plan with_reads_of_it{
+    modbus::timing_at(115200),
+    controlled(wheels_node, {.feedback = milliseconds(100), .command_timeout = no_command_timeout}),
+    cyclic<yako::status_word>(sensor_node, milliseconds(200)),
+    own_requests(sensor_node, milliseconds(50), 2)};
 
 /// Beside commands back to back it fills the line.
 constexpr poll_plan crowded{
@@ -232,6 +247,30 @@ TEST_CASE("G28: a node of the program's own requests that is gone is asked once 
     CHECK(gone.good > again + 30); // and at its own rate again
 }
 
+TEST_CASE(
+    "G28: the program's own requests to a node that the bus reads too are sent, though it does not respond") {
+    rig r; // its bus is not stepped any more
+    bus<with_reads_of_it, rig::line_type, decltype(r.wheels)> all{r.on, r.wheels};
+    asking a{r.on, sensor_node};
+    const auto run_for = [&](std::uint32_t ms) {
+        const std::uint64_t end = r.wire.time_us() + std::uint64_t{ms} * 1000;
+        while (r.wire.time_us() < end)
+            r.wire.wait(longer_of(shorter_of(all.step(), a.step(r.wire)), microseconds(1)));
+    };
+    run_for(1000);
+    CHECK(a.good > 10);
+    r.wire.set_connected(1, false);
+    run_for(3000); // the reads of the bus are backed off now
+    CHECK(all.is_absent(9));
+    const std::size_t bad = a.bad;
+    run_for(10'000);
+    CHECK(a.bad - bad >= 15); // three attempts of about 0.15 s each
+    r.wire.set_connected(1, true);
+    const std::size_t good = a.good;
+    run_for(600);
+    CHECK(a.good > good);
+}
+
 TEST_CASE("G25: a request beside the bus that its plan does not have is refused before anything is sent, but "
           "a stop is not") {
     rig r;
@@ -307,6 +346,43 @@ TEST_CASE("G25: a stop that was begun goes before a request that the program ste
         CHECK(r.seen.back().data[1] == 6);
     }
     CHECK(near >= 30);
+}
+
+TEST_CASE(
+    "G25: a stop that waits leaves a response the time that it may take, however long its request was") {
+    for (const std::uint8_t words : {std::uint8_t{1}, std::uint8_t{100}}) {
+        CAPTURE(words);
+        tests::scripted_port port;
+        line<tests::scripted_port> on{port, with_long_writes.timing()};
+        zlac8015d::drive wheels{on, wheels_node, unsupervised};
+        [[maybe_unused]] auto all = make_bus<with_long_writes>(on, wheels); // the line is its line now
+        // It begins at the end of its time limit, and has nearly the longest pause.
+        port.device = [](tests::scripted_port& p, const tests::sent_frame& f) {
+            if (f.data[0] != sensor_node.address) return;
+            const tests::byte_list response = tests::acknowledgement(f.data);
+            p.say(99'500, {response.begin(), response.begin() + 4});
+            p.say(99'500 + 4 * 96 + 19'500, {response.begin() + 4, response.end()});
+        };
+        tests::byte_list request{
+            sensor_node.address, 0x10, 0x00, 0x20, 0x00, words, static_cast<std::uint8_t>(2 * words)};
+        request.resize(7 + 2 * words);
+        request = tests::framed(request);
+        const tests::byte_list stop = tests::framed({1, 0x06, 0x20, 0x0E, 0x00, 0x07});
+        std::array<std::uint8_t, 8> response{};
+        std::array<std::uint8_t, 8> room{};
+        modbus::exchange own{request, response, on.timing(), sensor_node.limits};
+        modbus::exchange urgent{stop, room, on.timing(), wheels_node.limits, priority::stop};
+        while (own.is_to_leave()) on.step(own, sensor_node.gaps);
+        while (!own.done()) {
+            on.step(urgent, wheels_node.gaps);
+            on.step(own, sensor_node.gaps);
+        }
+        CHECK(own.status() == errc::ok);
+        REQUIRE(port.frames.size() == 1);
+        while (urgent.is_to_leave()) on.step(urgent, wheels_node.gaps);
+        REQUIRE(port.frames.size() == 2);
+        CHECK(port.frames[1].data == stop);
+    }
 }
 
 TEST_CASE("G28: the program's own request has its turn on a line that the bus alone could fill") {

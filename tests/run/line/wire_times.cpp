@@ -58,6 +58,14 @@ inline constexpr node<switchable> drive_at_1{1};
 inline constexpr poll_plan words_and_pairs{modbus::timing_at(115200),
                                            cyclic<word>(drive_at_1, milliseconds(300)),
                                            cyclic<pair>(drive_at_1, milliseconds(300))};
+inline constexpr node<switchable> stated_at_1 = [] {
+    node<switchable> n{1};
+    n.word_order = word_order::high_first;
+    return n;
+}();
+inline constexpr poll_plan stated_pairs{modbus::timing_at(115200),
+                                        cyclic<word>(stated_at_1, milliseconds(300)),
+                                        cyclic<pair>(stated_at_1, milliseconds(300))};
 inline constexpr poll_plan words_only{modbus::timing_at(115200), cyclic<word>(drive_at_1, milliseconds(300))};
 
 // A drive on a bus that is only read.
@@ -160,6 +168,38 @@ TEST_CASE("G21, G22: a read without a response invalidates the word order for al
     r.step_for(700'000);
     REQUIRE(pair_value());
     CHECK(pair_value()->get<pair>() == 0x0001'2345);
+}
+
+TEST_CASE(
+    "G22: once the word order that a program gave to a bus is stale, the one that the node was made with "
+    "holds again") {
+    polled<stated_pairs> r;
+    r.file.words[2] = 0x2345; // low word first
+    r.file.words[3] = 0x0001;
+    r.all.set_word_order(1, word_order::low_first);
+    const auto pair_value = [&] { return r.all.latest<1>(milliseconds(5000)); };
+    r.step_until([&] { return r.all.count(0) != 0 && r.all.count(1) != 0; });
+    REQUIRE(pair_value());
+    CHECK(pair_value()->get<pair>() == 0x0001'2345);
+    // The drive restarts while a word is read, and has the order of the factory again.
+    bool is_lost = false;
+    r.port.device = [&](scripted_port& p, const sent_frame& f) {
+        if (!is_lost && f.data[3] == 1) {
+            is_lost = true;
+            r.file.words[2] = 0x0001;
+            r.file.words[3] = 0x2345;
+        } else {
+            r.file(p, f);
+        }
+    };
+    const std::uint32_t before = r.all.count(1);
+    r.step_until([&] {
+        const auto v = pair_value();
+        if (v) REQUIRE(v->get<pair>() == 0x0001'2345);
+        return r.all.count(1) >= before + 3;
+    });
+    REQUIRE(is_lost);
+    CHECK(pair_value());
 }
 
 TEST_CASE("G20: the age of a bus's value counts from its request, however long the drive takes to respond") {
