@@ -32,6 +32,11 @@ constexpr poll_plan of_wheels{
     modbus::timing_at(115200),
     controlled(wheels_node, {.feedback = milliseconds(20), .command_timeout = milliseconds(300)})};
 
+constexpr poll_plan of_both{
+    modbus::timing_at(115200),
+    controlled(wheels_node, {.feedback = milliseconds(20), .command_timeout = milliseconds(300)}),
+    controlled(tests::lift_node, {.feedback = milliseconds(30), .command_timeout = no_command_timeout})};
+
 } // namespace
 
 TEST_CASE("G20, G36: a bus polls its drives and gives them its command timeout") {
@@ -46,6 +51,31 @@ TEST_CASE("G20, G36: a bus polls its drives and gives them its command timeout")
     CHECK(wheels.feedback(milliseconds(25)));
     CHECK_FALSE(m.wheels_model.stands_still());
     loop(all, m.wire, 1500);
+    CHECK(m.wheels_model.stands_still());
+}
+
+TEST_CASE("G20: a blocking command of a bus is a sign of life for its own drive, and for no other") {
+    wheels_and_lift m;
+    line_type on{m.wire, modbus::timing_at(115200)};
+    wheels_type wheels{on, wheels_node, unsupervised};
+    yako::closed_loop::drive lift{on, tests::lift_node};
+    auto all = make_bus<of_both>(on, wheels, lift);
+    REQUIRE(all.run(wheels, zlac8015d::init{}));
+    REQUIRE(all.run(lift, yako::init{}));
+    REQUIRE(all.run(lift, yako::enable{}));
+    REQUIRE(all.run(wheels, zlac8015d::enable{}));
+    REQUIRE(all.run(wheels, zlac8015d::velocity{50 * r_per_min, 50 * r_per_min}));
+    SUBCASE("a wait for the wheels, which turn on for all of it") {
+        CHECK(all.run(wheels, zlac8015d::wait_standstill{}).error() == errc::not_reached);
+        CHECK_FALSE(m.wheels_model.stands_still());
+        loop(all, m.wire, 1500);
+    }
+    SUBCASE("a long move of the lift") {
+        const std::uint64_t begun = m.wire.time_us();
+        const auto there = all.run(lift, yako::move_by{20'000 * pulse}, yako::until_arrived{});
+        CHECK(there.how == arrival_state::reached);
+        REQUIRE(m.wire.time_us() - begun > 1'500'000);
+    }
     CHECK(m.wheels_model.stands_still());
 }
 

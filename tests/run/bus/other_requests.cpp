@@ -365,7 +365,7 @@ TEST_CASE(
         };
         tests::byte_list request{
             sensor_node.address, 0x10, 0x00, 0x20, 0x00, words, static_cast<std::uint8_t>(2 * words)};
-        request.resize(7 + 2 * words);
+        request.resize(7u + 2u * words);
         request = tests::framed(request);
         const tests::byte_list stop = tests::framed({1, 0x06, 0x20, 0x0E, 0x00, 0x07});
         std::array<std::uint8_t, 8> response{};
