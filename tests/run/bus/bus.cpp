@@ -311,6 +311,26 @@ TEST_CASE("G25: the bound of a stop also holds when a program runs the bus in co
     }
 }
 
+TEST_CASE("G25: a stop is the next frame also if the program pauses between its command and the next step") {
+    for (const std::uint32_t pause_ms : {0u, 100u, 600u, 900u}) {
+        for (std::uint32_t ms = 0; ms < 20; ++ms) { // at other places in the frames of the others
+            CAPTURE(pause_ms);
+            CAPTURE(ms);
+            rig r;
+            REQUIRE(r.command(r.wheels, zlac8015d::init{}));
+            REQUIRE(r.command(r.lift, yako::init{}));
+            REQUIRE(r.command(r.lift, yako::enable{}));
+            r.run(100 + ms);
+            REQUIRE(r.lift.begin(yako::quick_stop{}) == errc::ok);
+            r.wire.pass(milliseconds(pause_ms));
+            const std::size_t before = r.requests.size();
+            while (r.requests.size() == before || r.requests[before].data.size() < 2) r.turn();
+            CHECK(r.requests[before].data[0] == 2);
+            CHECK(modbus::is_write(r.requests[before].data[1]));
+        }
+    }
+}
+
 TEST_CASE("G19: a drive with a watchdog gets a request in time, whichever other drives are absent") {
     for (std::uint64_t seed = 1; seed <= 6; ++seed) {
         rig r;
