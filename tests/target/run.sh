@@ -29,7 +29,7 @@ budget_of() { # NAME CORE: the most that a program may take: flash, RAM, stack, 
     case "$1 on $2" in
     "blocking line on cortex-m0plus") echo 1048 40 156 1920 2700 ;;
     "... strict timing on cortex-m0plus") echo 900 40 156 2850 3930 ;;
-    "... and a single write (06) first, read back while an echo is possible on cortex-m0plus") echo 1228 40 156 2600 3700 ;;
+    "... and a single write (06) first, read back while an echo is possible on cortex-m0plus") echo 1220 40 156 2600 3700 ;;
     "line on cortex-m0plus") echo 2728 144 344 3400 4870 ;;
     "... stepped: the calls of a client on cortex-m0plus") echo 3640 144 400 3900 5000 ;;
     "... CRC in 32-bit words on cortex-m0plus") echo 1124 40 156 1620 2440 ;;

@@ -241,25 +241,26 @@ class raw_client : protected detail::node_link<Line, Device, Node> {
                                                          const typename link::condition& on) {
         if (!IsBroadcast && !node_.is_valid()) return errc::bad_argument;
         if (AsksFirst && !line_->is_echo_ruled_out()) {
-            const status asked = ask<true>(address);
-            if (asked.error() != errc::ok) return asked;
+            if (const errc no = ask<true>(address); no != errc::ok) return no;
         }
         if (const errc no = link::refusal(on); no != errc::ok) return no;
         link::template invalidate<IsBroadcast>(link::invalidated_by(frame));
         status why = carried<IsBroadcast>(frame, frame.first(8), is_single); // its response's memory too
         request_machine call = request_machine::write();
         const bool goes_on = !IsBroadcast && call.goes_on(why, node_, is_single, line_->is_echo_ruled_out());
-        return goes_on ? ask<false>(address) : why;
+        return goes_on ? status::sent(ask<false>(address)) : why;
     }
-    // The reads before a write, or after it. Neither a response nor an exception is an echo, whatever the value.
-    template <bool IsFirst> [[gnu::cold, gnu::noinline]] constexpr status ask(u16 address) {
+    // The reads before a write, or after it. Neither a response nor an exception is an echo, whatever the value. The error
+    // is that of the write, sent or not, so that a small core returns one byte.
+    template <bool IsFirst> [[gnu::cold, gnu::noinline]] constexpr errc ask(u16 address) {
         request_machine call = IsFirst ? request_machine::write(true) : request_machine::check();
         const modbus::frame<8> request = modbus::read_frame<crc>(node_.address, address, 1);
         for (;;) {
             std::uint8_t response[7];
             (void)carried(request, response);
             status why;
-            if (!call.goes_on(why, node_, false, line_->is_echo_ruled_out()) || !call.is_asking()) return why;
+            if (!call.goes_on(why, node_, false, line_->is_echo_ruled_out()) || !call.is_asking())
+                return why.error();
         }
     }
 };
