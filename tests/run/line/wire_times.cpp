@@ -136,6 +136,17 @@ TEST_CASE_TEMPLATE(
     }
 }
 
+// The next read of the 16-bit word is lost, since the drive restarts. Its pair has these words then.
+template <class Polled>
+void restart_in_a_read(Polled& r, bool& is_lost, std::uint16_t first, std::uint16_t second) {
+    r.port.device = [&r, &is_lost, first, second](scripted_port& p, const sent_frame& f) {
+        if (is_lost || f.data[3] != 1) return r.file(p, f);
+        is_lost = true;
+        r.file.words[2] = first;
+        r.file.words[3] = second;
+    };
+}
+
 TEST_CASE("G21, G22: a read without a response invalidates the word order for all reads of its drive") {
     polled<words_and_pairs> r;
     r.all.set_word_order(1, word_order::high_first);
@@ -145,15 +156,7 @@ TEST_CASE("G21, G22: a read without a response invalidates the word order for al
     CHECK(pair_value()->get<pair>() == 0x0001'2345);
     // The drive restarts, with the other word order, while the 16-bit word is read.
     bool is_lost = false;
-    r.port.device = [&](scripted_port& p, const sent_frame& f) {
-        if (!is_lost && f.data[3] == 1) {
-            is_lost = true;
-            r.file.words[2] = 0x2345;
-            r.file.words[3] = 0x0001;
-        } else {
-            r.file(p, f);
-        }
-    };
+    restart_in_a_read(r, is_lost, 0x2345, 0x0001);
     const std::uint32_t before = r.all.count(1);
     r.step_until([&] { return is_lost; });
     const auto wrong = [&] {
@@ -183,15 +186,7 @@ TEST_CASE(
     CHECK(pair_value()->get<pair>() == 0x0001'2345);
     // The drive restarts while a word is read, and has the order of the factory again.
     bool is_lost = false;
-    r.port.device = [&](scripted_port& p, const sent_frame& f) {
-        if (!is_lost && f.data[3] == 1) {
-            is_lost = true;
-            r.file.words[2] = 0x0001;
-            r.file.words[3] = 0x2345;
-        } else {
-            r.file(p, f);
-        }
-    };
+    restart_in_a_read(r, is_lost, 0x0001, 0x2345);
     const std::uint32_t before = r.all.count(1);
     r.step_until([&] {
         const auto v = pair_value();
