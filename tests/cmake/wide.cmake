@@ -38,8 +38,7 @@ check(headers.no_table_unasked.gcc LABELS compile
 check(headers.no_table_unasked.clang LABELS compile
       COMMAND clang++ -std=c++20 -Iinclude -fsyntax-only -fconstexpr-steps=1000 -x c++ include/servobus/servobus.hpp)
 
-# The main job and peers, in real time
-check(example.main_job LABELS example REAL_TIME COST 80 COMMAND sh examples/run.sh)
+# Peers, in real time. docs.readme_commands runs the main job.
 foreach(peer libmodbus tshark mbpoll modbus_tcp late_network addresses)
   check(peers.${peer} LABELS peers REAL_TIME COST 10 COMMAND ${python} tests/interop/${peer}.py ${tool})
   set_tests_properties(peers.${peer} PROPERTIES SKIP_RETURN_CODE 77) # it cannot be installed
@@ -59,7 +58,7 @@ check(sim.sanitizers LABELS sim COST 100 COMMAND sh tests/sim.sh --seeds 96
 check(fuzz.all LABELS fuzz COST 70 ENVIRONMENT SEED=1 JOBS=1 COMMAND sh fuzz/run.sh 3)
 
 # Small cores, and figures
-check(target.ports LABELS target COST 120 COMMAND sh tests/ports.sh)
+check(target.ports LABELS target COST 60 COMMAND sh tests/ports.sh)
 check(target.bare_metal LABELS target COST 60 COMMAND sh tests/bare_metal.sh ${tool})
 check(target.freestanding LABELS target COST 100 COMMAND ${python} tests/freestanding.py)
 check(target.programs LABELS target figures COST 60 COMMAND sh tests/target/run.sh)
