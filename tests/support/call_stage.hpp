@@ -64,6 +64,7 @@ enum class call : std::uint8_t {
     write_delay, // a setting of the line that is kept: with a token
     write_order,
     write_wear,
+    write_wear_by_token,
     end
 };
 

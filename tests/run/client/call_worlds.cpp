@@ -53,7 +53,8 @@ template <class Line> course play_blocking(const world& in) {
     case call::write_address: return s.end(d.template write<fixture::address>(5));
     case call::write_delay: return s.end(d.template write<fixture::delay>(5, *s.token));
     case call::write_order: return s.end(d.template write<fixture::order>(0));
-    default: return s.end(d.template write<fixture::wear>(0));
+    case call::write_wear: return s.end(d.template write<fixture::wear>(0));
+    default: return s.end(d.template write<fixture::wear>(0, *s.token));
     }
 }
 
@@ -122,9 +123,13 @@ course play_stepped(const world& in) {
         stepped_write<client_type, fixture::order> c{d};
         return s.end(finish(c.begin(0), c));
     }
-    default: {
+    case call::write_wear: {
         stepped_write<client_type, fixture::wear> c{d};
         return s.end(finish(c.begin(0), c));
+    }
+    default: {
+        stepped_write<client_type, fixture::wear> c{d};
+        return s.end(finish(c.begin(0, *s.token), c));
     }
     }
 }
@@ -138,7 +143,9 @@ bool is_refusal(fault f) { return f == fault::hurt || f == fault::refused; }
 // True if a client that has learned nothing of its node can make the call.
 bool needs_nothing(call c) { return c == call::read_one || c == call::write_one || c == call::write_address; }
 
-bool needs_token(call c) { return c == call::write_kept || c == call::write_delay; }
+bool needs_token(call c) {
+    return c == call::write_kept || c == call::write_delay || c == call::write_wear_by_token;
+}
 
 // Judges by the frames on the wire: a write leaves once, and not after a missing response, or a write of the switch,
 // has made its token stale.
@@ -160,7 +167,7 @@ void judge(const world& in, const course& of) {
     for (const byte_list& later : of.afterwards) {
         const bool has_order = later[1] == 0x10;
         if (has_order) CHECK_FALSE((may_be_set && in.what == call::write_order));
-        if (!has_order) CHECK_FALSE((is_void || (may_be_set && in.what == call::write_wear)));
+        if (!has_order) CHECK_FALSE((is_void || (may_be_set && in.what >= call::write_wear)));
     }
     CHECK(writes <= 1); // G15
     if (in.what <= call::read_parts) CHECK(of.frames.size() <= 2 * (in.retries + 1u));

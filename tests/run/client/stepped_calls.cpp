@@ -460,4 +460,38 @@ TEST_CASE("G17: a stepped write whose token gets void before it leaves is not se
     CHECK(r.file.words[c630s::jog_speed.address] == 300);
 }
 
+TEST_CASE("G17, G18: a stepped write of the switch of the EEPROM by its own token leaves, as the blocking "
+          "one does") {
+    rig<c630s::device> r;
+    r.file.words[0x0C0D] = 0;
+    r.file.words[c630s::jog_speed.address] = 1;
+    r.file.words[c630s::pair_word_order.address] = 0;
+    using servo_client = decltype(r.drive);
+    const auto token = r.drive.ram_only();
+    REQUIRE(token);
+    SUBCASE("the switch") {
+        stepped_write<servo_client, c630s::eeprom_update> put{r.drive};
+        SUBCASE("at once") {
+            CHECK(put.begin(c630s::off_on::on, *token) == errc::ok);
+            finish(r, put);
+            CHECK(put.status());
+            CHECK(r.file.words[0x0C0D] == 1);
+        }
+        SUBCASE("not after a request without a response while it waited") {
+            CHECK(put.begin(c630s::off_on::on, *token) == errc::ok);
+            r.port.device = nullptr;
+            u16 word = 0;
+            CHECK(r.drive.read_words(0x0C0D, slice<u16>{&word, 1}) == errc::timeout);
+            r.port.frames.clear();
+            finish(r, put);
+            CHECK(put.status() == errc::needs_init);
+            CHECK(r.port.frames.empty());
+        }
+    }
+    r.port.device = [&](scripted_port& p, const tests::sent_frame& f) { r.file(p, f); };
+    r.port.frames.clear();
+    CHECK(r.drive.write<c630s::jog_speed>(checked(300), *token) == errc::needs_init);
+    CHECK(r.port.frames.empty());
+}
+
 } // namespace stepped_calls_tests

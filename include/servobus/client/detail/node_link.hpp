@@ -123,6 +123,16 @@ template <class Line, device_class Device, class Node> class node_link {
             if (what.word_order) learned_.stated = node_.word_order = word_order::unknown;
         }
     }
+    /// As `invalidate`, before a write that may have to wait: the token that it needs stays good for it.
+    constexpr void invalidate_before([[maybe_unused]] condition& waiting, const stale& what) {
+        if constexpr (has_tokens) {
+            const bool is_kept = waiting.is_needed && is_good(waiting.token);
+            invalidate(what);
+            if (is_kept) waiting.token = {node_.address, line_->epoch(node_.address)};
+        } else {
+            invalidate(what);
+        }
+    }
 
     // A frame of function 10h around its words.
     static constexpr void complete_block(std::uint8_t node_address, byte_buffer frame, u16 address) {

@@ -196,7 +196,7 @@ template <class Link> class stepped_request {
         std::size_t response = 8;
         if (machine_.now() == stage::writing) {
             stale_ = Link::invalidated_by(bytes{at, size});
-            link_->invalidate(stale_);
+            link_->invalidate_before(condition_, stale_);
         } else {
             std::uint8_t code = code_;
             response = size;
