@@ -23,8 +23,8 @@ template <class Line, device_class Device, class Node> class node_link;
 
 /// Shows that a drive which can keep every write in its EEPROM was read not to do so. `client::ram_only` gives
 /// the token, for writes that are repeated. The token is void in another epoch of its line: after a request to
-/// the drive without a response, whichever client sent it, after a write of the drive's switch, or when the
-/// port was lost. A write with a void token, or with one of another node, is refused (`needs_init`).
+/// the drive without a response, whichever client sent it, after a write of the drive's switch or word order,
+/// or when the port was lost. A write with a void token, or with one of another node, is refused (`needs_init`).
 class ram_only {
   public:
     constexpr ram_only() = default; ///< void from the start

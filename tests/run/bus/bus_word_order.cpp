@@ -5,10 +5,12 @@
 // program set; never one that may have changed since.
 #include <doctest/doctest.h>
 
+#include <servobus/client/stepped_write.hpp>
 #include <servobus/device/c630s.hpp>
 #include <servobus/sim/c630s.hpp>
 
 #include <tests/support/driven_wheels_and_lift.hpp>
+#include <tests/support/scripted_port.hpp>
 
 namespace bus_word_order_tests {
 
@@ -50,6 +52,11 @@ constexpr poll_plan servo_plan{modbus::timing_at(57600),
                                controlled(servo_node, {.command_timeout = no_command_timeout}),
                                cyclic<c630s::feedback_pulses>(servo_node, milliseconds(50)),
                                cyclic<c630s::actual_speed>(servo_node, milliseconds(50))};
+
+constexpr auto table_node = tests::prompt<yako::closed_loop::device>(7);
+constexpr poll_plan table_plan{modbus::timing_at(115200),
+                               cyclic<yako::actual_position>(table_node, milliseconds(100)),
+                               own_requests(table_node, milliseconds(200), 2)};
 
 } // namespace
 
@@ -144,6 +151,43 @@ TEST_CASE("G22: a 32-bit read of a C630S delivers no value while its word order 
     REQUIRE(drive.begin(c630s::factory_reset{c630s::sole_drive_on_the_line{}}) == errc::ok);
     all.run_for(milliseconds(1));
     CHECK_FALSE(all.latest<0>(milliseconds(200)));
+}
+
+TEST_CASE("G22: a bus delivers no value in the word order before a write of its register beside the bus") {
+    tests::scripted_port port;
+    tests::register_file table;
+    table.words = {{0x000A, 0}, {0x000B, 5}, {0x0019, 0}};
+    port.device = [&](tests::scripted_port& p, const tests::sent_frame& f) {
+        if (f.data[0] != 7) return;
+        p.say(500, table.response_to(f.data));
+        if (table.words[0x0019] == 1) table.words[0x000A] = 5, table.words[0x000B] = 0;
+    };
+    line on{port, modbus::timing_at(115200)};
+    auto all = make_bus<table_plan>(on);
+    client own{on, table_node};
+    stepped_write<decltype(own), yako::pair_word_order> put{own};
+    const auto watch = [&](unsigned ms) {
+        unsigned right = 0;
+        for (const auto end = port.time + ms * 1000u; port.time < end; port.time += 100) {
+            (void)all.step();
+            (void)put.step();
+            const auto seen = all.latest<0>(milliseconds(300));
+            if (!seen) continue;
+            REQUIRE(seen->get<yako::actual_position>().count() == 5);
+            ++right;
+        }
+        return right;
+    };
+    CHECK(watch(300) == 0);
+    all.set_word_order(7, word_order::high_first);
+    CHECK(watch(500) > 1000);
+    REQUIRE(put.begin(yako::word_order_setting::low_first) == errc::ok);
+    (void)watch(1000);
+    CHECK(put.status());
+    CHECK(table.words[0x0019] == 1);
+    CHECK(all.latest<0>(milliseconds(300)).error() == errc::needs_word_order);
+    all.set_word_order(7, word_order::low_first);
+    CHECK(watch(500) > 1000);
 }
 
 } // namespace bus_word_order_tests

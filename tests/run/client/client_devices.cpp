@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <type_traits>
 
+#include <servobus/client/stepped_write.hpp>
 #include <servobus/servobus.hpp>
 
 #include <tests/support/scripted_port.hpp>
@@ -190,6 +191,33 @@ TEST_CASE("G22: a word order that the program has set stays valid after a timeou
     CHECK(r.drive.node().word_order == word_order::low_first);
     CHECK(r.drive.write_word(0x0019, 0));
     CHECK(r.drive.node().word_order == word_order::unknown);
+}
+
+TEST_CASE("G22: a write of its register by one client invalidates the word order that another one learned") {
+    rig<fixture::large> r;
+    client other{r.on, node<fixture::large>{1}};
+    REQUIRE(r.drive.learn_word_order().error() == errc::ok);
+    REQUIRE(other.learn_word_order().error() == errc::ok);
+    SUBCASE("blocking") { CHECK(other.write_word(0x0019, 1)); }
+    SUBCASE("by a PDU of the program") {
+        std::array<std::uint8_t, 5> response{};
+        CHECK(other.transact(std::array<std::uint8_t, 5>{6, 0x00, 0x19, 0, 1}, response));
+    }
+    SUBCASE("stepped, after the order was learned again") {
+        stepped_write_words<decltype(other), 1> put{other};
+        REQUIRE(put.begin(0x0019, u16{1}) == errc::ok);
+        REQUIRE(r.drive.learn_word_order().error() == errc::ok);
+        while (!put.done()) r.port.wait(put.step());
+        CHECK(put.status());
+    }
+    REQUIRE(r.file.words[0x0019] == 1);
+    const std::size_t before = r.frames();
+    CHECK(r.drive.read<fixture::place>().error() == errc::needs_word_order);
+    CHECK(r.drive.write<fixture::place>(5).error() == errc::needs_word_order);
+    CHECK(r.frames() == before);
+    REQUIRE(r.drive.learn_word_order().error() == errc::ok);
+    CHECK(r.drive.node().word_order == word_order::low_first);
+    CHECK(r.drive.read<fixture::place>());
 }
 
 TEST_CASE("G22: a word order that the program sets after a timeout is not taken for the one before it") {

@@ -488,6 +488,12 @@ TEST_CASE("G17, G18: a stepped write of the switch of the EEPROM by its own toke
             CHECK(r.port.frames.empty());
         }
     }
+    SUBCASE("the word order") {
+        stepped_write<servo_client, c630s::pair_word_order> put{r.drive};
+        CHECK(put.begin(c630s::word_order_setting::low_first, *token) == errc::ok);
+        finish(r, put);
+        CHECK(put.status());
+    }
     r.port.device = [&](scripted_port& p, const tests::sent_frame& f) { r.file(p, f); };
     r.port.frames.clear();
     CHECK(r.drive.write<c630s::jog_speed>(checked(300), *token) == errc::needs_init);

@@ -113,11 +113,12 @@ template <class Line, device_class Device, class Node> class node_link {
         else
             return {};
     }
-    /// Called before the write leaves. A broadcast reaches all nodes.
+    /// Called before the write leaves. A broadcast reaches all nodes. The epoch begins for all clients of the node.
     template <bool IsBroadcast = false>
     [[gnu::always_inline]] constexpr void invalidate([[maybe_unused]] const stale& what) {
-        if constexpr (has_tokens) {
-            if (what.tokens) line_->begin_epoch(IsBroadcast ? modbus::broadcast : node_.address);
+        if constexpr (learns) {
+            if (what.tokens || what.word_order)
+                line_->begin_epoch(IsBroadcast ? modbus::broadcast : node_.address);
         }
         if constexpr (loses_word_order) {
             if (what.word_order) learned_.stated = node_.word_order = word_order::unknown;
