@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSL-1.0
 //
 // Many drives on one line: the bus steps the facades of a plan and sends its cyclic reads. A stop goes before
-// everything else, and of the other frames the one that has waited longest. Programs include it, or
+// everything else, then the frame that has waited longest. Programs include it, or
 // servobus.hpp. One `step` in each loop iteration never waits; `run` and `run_for` are blocking calls that
 // loop over it.
 //
@@ -40,7 +40,7 @@ class bus : detail::cyclic_reads<Plan, Line, Drives...> {
     static constexpr const auto& plan = Plan;
     static constexpr std::size_t size = Plan.size;
 
-    /// The drives take their limits, gaps and supervision from the plan. One that is at another address than in the
+    /// The drives take their limits, gaps and supervision from the plan. A drive at another address than in the
     /// plan, or on another line, is not polled and refuses all commands but stops (`bad_argument`).
     constexpr explicit bus(Line& on, Drives&... drives) : reads{on, drives...} {
         check(std::make_index_sequence<sizeof...(Drives)>{});
@@ -60,11 +60,11 @@ class bus : detail::cyclic_reads<Plan, Line, Drives...> {
         this->drop_old_values();
         duration idle = reads::longest_idle;
         const auto note = [&idle](duration own) { idle = shorter_of(idle, own); };
-        // Before another frame begins to leave.
+        // Stops are stepped before another frame begins to leave.
         drives_.each([&](std::size_t, auto& drive) {
             if (scheduling::has_stop(drive)) note(drive.step());
         });
-        // Frames on the wire come before the line is taken to be free: the program may have been stopped since. A
+        // Frames on the wire are stepped before the line counts as free: the program may have stalled since. Twice: a
         // request that is found to have left only now may have its response already.
         for (int twice = 0; twice < 2; ++twice) {
             drives_.each([&](std::size_t, auto& drive) {
@@ -109,7 +109,7 @@ class bus : detail::cyclic_reads<Plan, Line, Drives...> {
         if (!has_ended) scheduling::give_up(drive, errc::clock_stopped);
         return drive.last();
     }
-    /// Blocking: runs a move of one drive and waits for its end. Returns how that was, as `drive.run(move, end)` does.
+    /// Blocking: runs a move of one drive and waits for its end. Returns what `drive.run(move, end)` does.
     template <class Drive, class Move, class End>
     auto run(Drive& drive, const Move& move, const End& end) -> decltype(drive.arrival(end)) {
         if (!run(drive, move)) return {};
@@ -127,15 +127,15 @@ class bus : detail::cyclic_reads<Plan, Line, Drives...> {
         return this->template latest_of<typename plan_type::template values<I>>(
             I, plan_type::offsets.words_before[I], oldest);
     }
-    /// The word order of 32-bit values, as `client::learn_word_order` found it, for all cyclic reads of a node without a
-    /// facade; a controlled drive has its own. It is invalid as soon as a request to the node got no response, also one
-    /// of another client (`line::epoch`): the node may have restarted.
+    /// Sets the word order of all cyclic reads of a node without a facade, as `client::learn_word_order` found it. It
+    /// becomes invalid when a request of any client to the node gets no response, or writes the register of the word
+    /// order (`line::epoch`).
     constexpr void set_word_order(std::uint8_t node_address, word_order order) {
         for (std::size_t i = 0; i < size; ++i) {
             if (Plan.polls[i].node_address == node_address) this->use_word_order(i, order);
         }
     }
-    /// Good responses to read number `i` since the start; it wraps.
+    /// The number of good responses to read `i`; it wraps.
     constexpr std::uint32_t count(std::size_t i) const { return this->responses(i); }
     /// True while a node does not respond and is read less often; of a controlled drive, `drive.is_absent()`.
     constexpr bool is_absent(std::uint8_t node_address) const {

@@ -74,8 +74,8 @@ template <class... Entries> class poll_plan {
         return i;
     }
 
-    /// The wire's time that reads, feedback, commands and requests take, in thousandths, if all nodes respond
-    /// immediately.
+    /// The share of the wire's time that reads, feedback, commands and requests take, in thousandths, if all nodes
+    /// respond immediately.
     constexpr std::uint32_t load_per_mille() const {
         const times common{*this};
         std::uint64_t billionths = 0;
@@ -116,8 +116,8 @@ template <class... Entries> class poll_plan {
     /// 0 without a controlled drive.
     constexpr duration longest_stop() const { return times{*this}.longest_stop(); }
 
-    /// The longest time between two frames of a stop that gets no response, while nothing is commanded: what is not
-    /// urgent waits until each of the others has sent a frame.
+    /// The longest time between two frames of a stop that gets no response, while nothing is commanded: a frame that
+    /// is not urgent waits until each of the others has sent one.
     constexpr duration longest_stop_pause() const {
         if (rules_.stop_every == duration{}) return duration{0xFFFF'FFFF}; // they are not repeated
         const times common{*this};
@@ -125,9 +125,8 @@ template <class... Entries> class poll_plan {
                common.longest_command() * drives;
     }
 
-    /// The most of the line's time, in thousandths, that reads of absent nodes and drives take from the others,
-    /// however many they are, and the program's requests to absent nodes. Commands to drives, and stops that are
-    /// repeated, come on top.
+    /// The most of the line's time, in thousandths, that absent nodes take from the others, however many are absent:
+    /// by reads, feedback and the program's requests. Commands to drives, and stops that are repeated, come on top.
     constexpr std::uint32_t absent_load_per_mille() const {
         const times common{*this};
         duration read{};

@@ -21,7 +21,7 @@
 
 namespace servobus {
 
-/// A clock wraps after 71 minutes, and what lies more than half of that apart has no order.
+/// A clock wraps after 71 minutes, and instants more than half of that apart have no order.
 inline constexpr duration longest_period = milliseconds(1'800'000);
 
 namespace detail {
@@ -82,9 +82,9 @@ consteval cyclic_read<Rs...> cyclic(const node<Device>& at, duration period) {
 /// The frames that the facade of a drive sends by itself, and how often.
 struct controlled_node : supervised_node {
     duration command_period{}; ///< between commands of the application; 0: not known
-    duration keep_alive{}; ///< after which its facade takes the drive's own watchdog to have expired; 0: none
+    duration keep_alive{};     ///< after it the facade counts the drive's own watchdog as expired; 0: none
     std::uint8_t image_words = 0;
-    std::uint8_t slower_words = 0;     ///< that the longest block has which is read less often
+    std::uint8_t slower_words = 0;     ///< of the longest block that is read less often
     std::uint8_t readings_between = 0; ///< readings of the image for one of a slower block
 };
 
@@ -92,7 +92,7 @@ struct controlled_node : supervised_node {
 template <class Model> struct controlled_drive : controlled_node {
     static constexpr bool has_watchdog = watchdog_of<Model>(Model::unknown) != duration{};
 
-    /// The application commands a speed or a torque so often: it counts in the load of the line.
+    /// The application commands a speed or a torque once a `period`, which counts in the load of the line.
     constexpr controlled_drive commands(duration period) const {
         controlled_drive d = *this;
         d.command_period = period;

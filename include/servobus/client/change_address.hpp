@@ -30,9 +30,9 @@ constexpr status write_line_setting(client<Line, Device>& of, register_value<R> 
     }
 }
 
-/// Looks for a drive where none is expected. One lost request or response must not hide it: there is none only
-/// if as many looks as a read of the node has attempts, at least two, get no response. Each also waits for the
-/// quarantine, within which a late response begins.
+/// Looks for a drive where none is expected. A lost request or response must not hide it. So it looks as often as
+/// a read of the node is tried, at least twice, until something responds. Each look also waits for the quarantine,
+/// within which a late response begins.
 template <class Line, class Device>
 constexpr finding look_hard_for(Line& on, const node<Device>& at, std::uint16_t address) {
     response_limits limits = at.limits;
@@ -48,12 +48,13 @@ constexpr finding look_hard_for(Line& on, const node<Device>& at, std::uint16_t 
 
 /// Writes the address `to` into the register `R` of the client's node and checks at which address the drive
 /// responds afterwards; the client's node has that address then. Exactly one drive may have the old address:
-/// two would both take the new one and execute what is sent there. Blocking. It takes `1 + read_retries` looks
-/// (`look_for`) at `to`, at least two, each with the sum of the node's response limit and quarantine as its
-/// limit; a read, unless an echo is ruled out; one write; and three looks with the response limit. Errors
-/// before the write: `bad_argument` for an address that the device cannot have, `busy` if anything responds at
-/// `to`, the line's own if a look fails. Else the write's own; `not_reached`: the drive responds at the old
-/// address only, and takes the new one at its next start or not at all; `timeout`: it responds at neither.
+/// two would both take the new one and execute what is sent there. Blocking. It takes `1 + read_retries`
+/// looks (`look_for`) at `to`, at least two, each limited by the sum of the node's response limit and
+/// quarantine; a read, unless an echo is ruled out; one write; and three looks with the response limit.
+/// Errors before the write: `bad_argument` for an address that the device cannot have, `busy` if anything
+/// responds at `to`, the line's own if a look fails. Else the write's own; `not_reached`: the drive responds
+/// at the old address only, and takes the new one at its next start or not at all; `timeout`: it responds at
+/// neither.
 template <const auto& R, class Line, class Device>
 constexpr status change_address(client<Line, Device>& of, std::uint8_t to) {
     auto& at = of.node();

@@ -60,7 +60,7 @@ class client : public raw_client<Line, Device, Node> {
     ///
     /// Errors:
     /// - `bad_argument`: the device cannot have the node's address; nothing was sent
-    /// - `needs_word_order`: of 32 bits, in a word order that is unknown, or stale since a retry was needed
+    /// - `needs_word_order`: the word order of a 32-bit value is unknown, or became stale by a retry
     /// - `busy`: a stepped exchange has the line; nothing was sent
     /// - `line_busy`: no gap on the line was long enough to send
     /// - `send_failed`, `partial_send`, `receive_failed`, `port_lost`: the port failed; not repeated
@@ -135,7 +135,8 @@ class client : public raw_client<Line, Device, Node> {
         return values;
     }
 
-    /// Writes one register: function 06, or 10h for two words.
+    /// Writes one register: function 06, or 10h for two words. A setting of the line is written once a read has
+    /// ruled out an echo; else the error is `own_echo`, not sent, also if no device responds.
     template <const auto& R>
     requires is_register<R>
     constexpr status write(register_value<R> value) {
@@ -158,8 +159,8 @@ class client : public raw_client<Line, Device, Node> {
         return write_block<Rs...>(values...);
     }
 
-    /// Writes registers that the device keeps in its EEPROM at every write, which wears it: for set-up, not
-    /// for what comes again and again.
+    /// Writes registers that the device keeps in its EEPROM. Each write wears it: for set-up, not for repeated
+    /// writes.
     template <const auto& R>
     requires is_register<R>
     constexpr status store(register_value<R> value) { return put<R>(value); }
@@ -173,7 +174,7 @@ class client : public raw_client<Line, Device, Node> {
         return write_block<Rs...>(values...);
     }
 
-    /// Reads whether the device's writes wear its EEPROM now; if not, gives what such writes need.
+    /// Reads whether writes wear the device's EEPROM now; if not, returns the token that repeated writes need.
     /// Errors: as `read`; `wrong_state` if they do wear it.
     constexpr result<servobus::ram_only> ram_only() {
         static_assert(Device::facts.eeprom_switch != 0, "this device keeps writes only when told to");
@@ -183,8 +184,8 @@ class client : public raw_client<Line, Device, Node> {
         return new_token();
     }
 
-    /// As `write`, for registers that the device would keep, while it does not. Errors: `needs_init` if
-    /// `token` is void.
+    /// Writes a register that the device can keep in its EEPROM, while `token` shows that it does not. Errors:
+    /// as `write`; `needs_init` if `token` is void.
     template <const auto& R>
     requires is_register<R>
     constexpr status write(register_value<R> value, servobus::ram_only token) {
@@ -196,7 +197,7 @@ class client : public raw_client<Line, Device, Node> {
         return put<Rows>(index, value, raw::needing(token));
     }
 
-    /// Reads the register first and writes only what it does not have yet. `done` without a write if it does.
+    /// Reads the register, and writes it if it has another value. `done` without a write if the value is equal.
     template <const auto& R>
     requires is_register<R>
     constexpr status write_if_different(register_value<R> value) {
@@ -208,10 +209,9 @@ class client : public raw_client<Line, Device, Node> {
     requires is_register<R>
     constexpr status store_if_different(register_value<R> value) { return put_if_different<R>(value); }
 
-    /// Reads how the device orders the words of 32-bit values; from then on they can be read and written,
-    /// until a request to the drive gets no valid response on this line or the register of the word order is
-    /// written: then it is stale. Errors: as `read`; `unexpected_value` for a setting that its
-    /// manual does not have.
+    /// Reads the word order of 32-bit values, which can be read and written from then on. The word order becomes
+    /// stale when a request to the drive gets no valid response on this line, or when any client of the line writes
+    /// its register. Errors: as `read`; `unexpected_value` for a setting that is not in the manual.
     constexpr status learn_word_order() {
         static_assert(Device::facts.word_order_register != 0, "the word order of this device is fixed");
         (void)current_word_order(); // drops one that is stale already
@@ -226,7 +226,7 @@ class client : public raw_client<Line, Device, Node> {
 
     /// Writes one register of every device on the line (address 0); none responds. `done` means that
     /// the frame left in full. Not for a setting of the line: two drives must not have one address, and no
-    /// client would know of another's new order of words.
+    /// client would know of the new word order.
     template <const auto& R>
     requires is_register<R>
     constexpr status broadcast(register_value<R> value) {

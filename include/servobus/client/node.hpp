@@ -1,9 +1,9 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// A device at an address: limits, gaps and retries, which start as the device's profile has them, and the
-// word order as far as it is known. The headers of clients and facades include it; a program changes the
-// figures of a node before it makes a client or a facade of it.
+// A device at an address: its limits, gaps, retries and word order. They start with the figures of the device's
+// profile; a program changes them before it makes a client or a facade of the node. The headers of clients and
+// facades include this one.
 //
 //     node<yako::closed_loop::device> lift_node{3};
 //     lift_node.limits.response = milliseconds(250); // through a radio link
@@ -29,14 +29,13 @@ template <device_class Device> struct node_order<Device, true> {
 };
 } // namespace detail
 
-/// Node `address` of a `Device`, with its word order. Time limits, quarantine and retries start as the
-/// device's profile has them.
+/// Node `address` of a `Device`, with its word order. Limits, gaps and retries start with the profile's figures.
 template <device_class Device> struct node : detail::node_order<Device> {
     std::uint8_t address = Device::facts.lowest_address;
     std::uint8_t read_retries = Device::facts.read_retries; ///< reads only; a write is never repeated
     response_limits limits = Device::facts.limits;
     bus_gaps gaps{Device::facts.gap, Device::facts.quarantine};
-    servobus::priority priority = servobus::priority::ordinary; ///< all requests of its client have it
+    servobus::priority priority = servobus::priority::ordinary; ///< of all requests of its client
 
     constexpr node() = default;
     constexpr explicit node(std::uint8_t at) : address{at} {}

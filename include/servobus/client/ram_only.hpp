@@ -21,10 +21,10 @@ namespace detail {
 template <class Line, device_class Device, class Node> class node_link;
 } // namespace detail
 
-/// Shows that a drive which can keep every write in its EEPROM was read not to do so. `client::ram_only` gives
-/// the token, for writes that are repeated. The token is void in another epoch of its line: after a request to
-/// the drive without a response, whichever client sent it, after a write of the drive's switch or word order,
-/// or when the port was lost. A write with a void token, or with one of another node, is refused (`needs_init`).
+/// Shows that a drive does not keep writes in its EEPROM: its switch was read. `client::ram_only` gives the token,
+/// for writes that are repeated. The token becomes void with the epoch of its line: by a request of any client to
+/// the drive without a response, by a write of the drive's switch or word order, or by a loss of the port. A write
+/// with a void token, or with one of another node, is refused (`needs_init`).
 class ram_only {
   public:
     constexpr ram_only() = default; ///< void from the start

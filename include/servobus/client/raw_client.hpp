@@ -44,7 +44,7 @@ class raw_client : protected detail::node_link<Line, Device, Node> {
     constexpr link& link_for(detail::stepped_key) { return *this; }
 
     /// Reads `words.size()` raw registers from `address` on, function 03 or 04; for what a map does not have.
-    /// On failure `words` is as it was.
+    /// A failure leaves `words` as it was.
     /// Errors: `bad_argument` (the node's address, or more registers than one response has), the
     /// transport's, the response's, `exception`.
     constexpr status read_words(u16 address, slice<u16> words,
@@ -169,7 +169,7 @@ class raw_client : protected detail::node_link<Line, Device, Node> {
         link::complete_block(IsBroadcast ? modbus::broadcast : node_.address, frame, address);
         return write_framed<IsBroadcast, AsksFirst>(frame, address, false, on);
     }
-    /// To be called after the read of the switch: attempts of that read without a response begin an epoch.
+    /// Called after the read of the switch, since a lost attempt of that read begins an epoch.
     constexpr servobus::ram_only new_token() { return {node_.address, line_->epoch(node_.address)}; }
 
   private:

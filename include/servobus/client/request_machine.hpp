@@ -3,9 +3,9 @@
 //
 // One call of a client as a machine without I/O: which request is next, and how the call ended. A read is
 // repeated as often as the node says, a write never. A response to function 06 repeats its request, so it may be
-// an echo until a line has received anything else. Then a read after the write rules that out; before the write of
-// a setting of the line, whose response may be the last. Blocking and stepped calls are loops over this machine:
-// they build the frames and carry them.
+// an echo until a line has received anything else. A read after the write then rules that out. Before a setting of
+// the line the read goes first: the response to such a write may be the last one. Blocking and stepped calls are
+// loops over this machine: they build the frames and carry them.
 //
 //     const node<zlac8015d::device> of{1};
 //     request_machine call = request_machine::write();
@@ -30,8 +30,8 @@ class request_machine {
         transacting, ///< any function: it may write
         writing,
         looking,      ///< for a device at an address (scan.hpp)
-        asking_first, ///< a read of the register that is to be written, before a setting of the line is
-        checking,     ///< such a read after a write whose response may have been its echo
+        asking_first, ///< reads the register before a setting of the line is written to it
+        checking,     ///< reads the register after a write whose response may be its echo
     };
 
     constexpr request_machine() = default; ///< no call
@@ -47,12 +47,12 @@ class request_machine {
 
     constexpr stage now() const { return stage_; }
     constexpr bool done() const { return stage_ == stage::ended; }
-    /// The request is a read of one register whose value is of no interest.
+    /// True if the request is a read of one register whose value does not matter.
     constexpr bool is_asking() const { return stage_ >= stage::asking_first; }
 
-    /// The request has ended with `why`. True if another one is to be carried, that of `now()`; else the call has
-    /// ended, and `why` is how. `repeats`: a response repeats its request, as one to function 06 does, and may
-    /// be its echo unless that `is_ruled_out` (`line::is_echo_ruled_out`).
+    /// The request has ended with `why`. True: the request of `now()` is next. False: the call has ended with `why`.
+    /// `repeats`: a response repeats its request, as that to function 06 does. It may be an echo unless an echo
+    /// `is_ruled_out` (`line::is_echo_ruled_out`).
     template <class Node>
     [[gnu::always_inline]] constexpr bool goes_on(status& why, const Node& of, bool repeats,
                                                   bool is_ruled_out) {
@@ -82,14 +82,14 @@ class request_machine {
         return false;
     }
 
-    /// A look has ended with `why`; `has_heard`: anything came. True if it is to be repeated, which is done once: bytes
-    /// that are no response may be one that was hurt. An answer, silence and a failure of the port end it at once.
+    /// A look has ended with `why`; `has_heard`: anything came. True if the look is to be repeated, which is done once:
+    /// the bytes may be a damaged response. A response, silence and a failure of the port end it at once.
     constexpr bool looks_again(const status& why, bool has_heard) {
         const bool repeats = is_garbled(why, has_heard) && attempts_++ == 0;
         if (!repeats) stage_ = stage::ended;
         return repeats;
     }
-    /// What came is no response. A garbled character is what two devices, or another baud rate, look like to a UART.
+    /// True if what came is no response. To a UART two devices, or another baud rate, look like a garbled character.
     static constexpr bool is_garbled(const status& why, bool has_heard) {
         if (why.error() == errc::receive_failed) return true;
         // A timeout too: bytes of another node, or that were ignored until a gap, may have come.
@@ -106,7 +106,7 @@ class request_machine {
         return came;
     }
 
-    /// True if the response shows that the request, or it, was hurt on its way.
+    /// True if the request or its response was lost or damaged on its way.
     template <class Node> static constexpr bool is_worth_a_retry(const status& why, const Node& of) {
         if (why.error() == errc::exception)
             return why.exception() != 0 && why.exception() == of.limits.corrupted_request;
@@ -117,7 +117,7 @@ class request_machine {
     [[gnu::always_inline]] constexpr explicit request_machine(stage first) : stage_{first} {}
 
     stage stage_ = stage::ended;
-    std::uint8_t attempts_ = 0; // that failed in this stage
+    std::uint8_t attempts_ = 0; // failed ones of this stage
 };
 
 } // namespace servobus

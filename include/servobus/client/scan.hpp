@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Looks whether a device responds at an address. One read that changes nothing tells no response, a
-// response and a collision apart. Tools that scan a line include it; so does client/change_address.hpp.
+// Looks whether a device responds at an address. One read, which changes nothing, distinguishes no response, a
+// response and a collision. Tools that scan a line include it; so does client/change_address.hpp.
 // Any frame restarts the watchdog of a drive whose controller has failed: its motors may run on.
 //
 //     for (std::uint8_t address = 1; address <= 247; ++address) {
@@ -21,7 +21,7 @@ namespace servobus {
 
 enum class presence : std::uint8_t {
     no_response, ///< nothing came, or a gateway's exception: it got no response
-    present,     ///< a valid response, an exception of the device too
+    present,     ///< a valid response or an exception of the device
     garbled, ///< bytes came that are no response, each time: two devices at one address, or another baud rate
     failed,  ///< the port or the line failed
 };
@@ -36,7 +36,7 @@ struct finding {
 
 /// Reads the register at `address` of the node at `node_address`, a second time if what comes is no valid
 /// response. Blocking; returns within twice `line::bound` for a read of one register. After no response it
-/// waits for no quarantine: the next request goes to another node, which ignores a late response.
+/// does not wait for a quarantine: the next request goes to another node, which ignores a late response.
 template <class Line>
 constexpr finding look_for(Line& on, std::uint8_t node_address, const response_limits& limits,
                            std::uint16_t address = 0) {
@@ -53,7 +53,7 @@ constexpr finding look_for(Line& on, std::uint8_t node_address, const response_l
     if (why.has_response()) return {presence::present, false, 0, why};
     if (why.error() == errc::no_echo) return {presence::failed, false, 0, why};
     if (request_machine::is_garbled(why, x.has_received())) return {presence::garbled, false, 0, why};
-    // After a gateway's exception too: the gateway got no response.
+    // A gateway's exception is silence too: the gateway got no response.
     const bool is_silent = why.error() == errc::timeout || why.error() == errc::gateway_exception;
     return {is_silent ? presence::no_response : presence::failed, false, 0, why};
 }

@@ -21,8 +21,8 @@
 namespace servobus {
 
 /// A stepped `Client::read<Rs...>()`: of one register, of an element of an array of registers, or of several
-/// registers. Reads are retried as often as the node says. The client must outlive it; so must the object
-/// its call, or it is given up: see `cancel`.
+/// registers. Reads are retried as often as the node says. The client must outlive it. An object that
+/// is destroyed gives its read up: see `cancel`.
 template <class Client, const auto&... Rs> class stepped_read;
 
 /// Reads one register.
@@ -93,7 +93,7 @@ requires(sizeof...(Rs) > 1) class stepped_read<Client, Rs...>
     static_assert((belongs_to<typename row_type<Rs>::device, typename Client::device> && ...),
                   "this register belongs to another device");
     static constexpr const auto& plan = readings<Rs...>::plan;
-    static constexpr bool is_one = plan.count == 1; // then the frame has all words until they are asked for
+    static constexpr bool is_one = plan.count == 1; // then the words stay in the frame until `value`
 
   public:
     constexpr explicit stepped_read(Client& of) : base{base::link_of(of)} {}
@@ -160,14 +160,14 @@ requires(sizeof...(Rs) > 1) class stepped_read<Client, Rs...>
         readings<Rs...> values{};
         u16 offset = 0;
         std::uint8_t next = 0;
-        word_order order = word_order::unknown; // that the parts read so far have
+        word_order order = word_order::unknown; // of the parts read so far
     };
     struct one {};
     [[no_unique_address]] std::conditional_t<is_one, one, several> parts_{};
     std::uint8_t frame_[base::read_room(plan.words)];
 };
 
-/// Reads up to `Most` raw registers, for what a map does not have.
+/// Reads up to `Most` raw registers, for registers without a row.
 template <class Client, std::size_t Most>
 class stepped_read_words : public detail::stepped_request<typename Client::link_type> {
     using base = detail::stepped_request<typename Client::link_type>;

@@ -42,8 +42,8 @@ class stepped_put<Client, Wears, R> : public stepped_request<typename Client::li
             "what ram_only() gives");
         return begin(value, typename base::condition{});
     }
-    /// As above, for a register that the device would keep, while it does not. `needs_init` if `token` is
-    /// void, or gets void before the write leaves.
+    /// As above, for a register that the device can keep in its EEPROM. `needs_init` if `token` is void, or becomes
+    /// void before the write leaves.
     constexpr errc begin(register_value<R> value, servobus::ram_only token) {
         static_assert(base::has_tokens, "this device keeps writes only when told to");
         return begin(value, base::needing(token));
@@ -151,7 +151,7 @@ class stepped_store : public detail::stepped_put<Client, true, Rs...> {
     using detail::stepped_put<Client, true, Rs...>::stepped_put;
 };
 
-/// Writes up to `Most` raw registers, for what a map does not have.
+/// Writes up to `Most` raw registers, for registers without a row.
 template <class Client, std::size_t Most>
 class stepped_write_words : public detail::stepped_request<typename Client::link_type> {
     using base = detail::stepped_request<typename Client::link_type>;

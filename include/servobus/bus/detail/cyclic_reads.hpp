@@ -44,7 +44,7 @@ template <const auto& Plan, class Line, class... Drives> class cyclic_reads {
         if constexpr (size == 0) {
             return longest_idle;
         } else {
-            // The program may have been stopped since it was begun.
+            // The program may have stalled since the read was begun.
             if (is_read_waiting() && !may_be_read(reading_)) {
                 line_->abandon(exchange_);
                 reading_ = none;
@@ -80,7 +80,7 @@ template <const auto& Plan, class Line, class... Drives> class cyclic_reads {
         dropped_at_ = now;
         for (state& s : states_) s.has_values = has_values(s, now);
     }
-    // Ok, or the reason why a read has no values that are young enough.
+    // Returns ok, or the reason why a read has no values that are young enough.
     constexpr status why_not(std::size_t i, duration oldest, [[maybe_unused]] bool is_of_pairs) const {
         const state& s = states_[i];
         if (!is_known(i)) return errc::needs_init;
@@ -269,8 +269,8 @@ template <const auto& Plan, class Line, class... Drives> class cyclic_reads {
     modbus::exchange exchange_{};
     instant last_retry_{};
     instant searched_at_{}; // for a read that is due
-    duration pause_{};      // after that, within which none becomes due
-    instant dropped_at_{};  // old values
+    duration pause_{};      // from then on, within which no read becomes due
+    instant dropped_at_{};  // when old values were
     std::size_t reading_ = none;
 };
 

@@ -30,8 +30,8 @@ template <class Plan> class request_gaps {
         return bound{p.period} + times_.wait(p, others_.than(p.node_address));
     }
     constexpr duration of(const controlled_node& d) const { return bound{poll_period(d)} + wait_of_a_drive_; }
-    // The time while other nodes respond too late. If that is allowed: the time while all respond, which must also be
-    // allowed if the clocks of node and program differ.
+    // The time while other nodes respond too late; if that is allowed, the time while all respond. The latter must be
+    // allowed even if the clocks of node and program differ.
     constexpr verdict judge(const poll& p) const {
         if (p.keep_alive == duration{}) return {};
         const verdict late{p.keep_alive, of(p)};
@@ -67,7 +67,7 @@ template <class Plan> class request_gaps {
     static constexpr unsigned long in_ms(std::uint64_t us) {
         return static_cast<unsigned long>((us + 999) / 1000);
     }
-    // A keep-alive of which `at_least` is so long: clocks differ.
+    // The keep-alive whose `at_least` is this time: clocks differ.
     static constexpr unsigned long stated(std::uint64_t us) { return in_ms(us * 16 / 15 + 1); }
 
     const Plan& plan_;

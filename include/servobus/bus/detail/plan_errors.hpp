@@ -27,8 +27,7 @@ constexpr void the_times_of_this_plan_are_longer_than_its_clock_can_tell(unsigne
     if (address == 0) return;
     __builtin_printf("node %lu may get no request for %lu us: half an hour is the most", address, longest_us);
 }
-/// Either of the last two figures mends it: that of the response limit and the quarantine of all nodes, or that of the
-/// node's watchdog.
+/// Either of the last two figures mends the plan: response limit and quarantine of all nodes, or the node's watchdog.
 constexpr void a_drive_of_this_plan_could_miss_its_keep_alive(unsigned long address,
                                                               unsigned long keep_alive_us,
                                                               unsigned long longest_us,

@@ -27,8 +27,8 @@ constexpr duration poll_period(const controlled_node& d) {
     return is_kept_alive(d) ? shorter_of(d.by.feedback, duration{d.keep_alive.us / 4}) : d.by.feedback;
 }
 
-/// Entries for which a read waits. The sum has 64 bits: one that ends at the longest `duration` could not be taken
-/// apart again.
+/// Entries for which a read waits. The sum has 64 bits, and does not end at the longest `duration`: entries are taken
+/// out of it again.
 struct other_entries {
     std::uint64_t reads_us = 0;
     std::uint32_t reads = 0;
@@ -40,7 +40,6 @@ struct other_entries {
     }
 };
 
-/// The times of a plan.
 struct plan_times {
     // Bytes of the frames of a facade.
     static constexpr std::size_t read_request = 8;

@@ -11,7 +11,7 @@ namespace servobus::detail {
 
 template <bool HasPairs> struct read_order {
     verified<word_order> learned{word_order::high_first, {}};
-    word_order taken_in = word_order::high_first; ///< that the values have
+    word_order taken_in = word_order::high_first; ///< of the values
 };
 template <> struct read_order<false> {};
 

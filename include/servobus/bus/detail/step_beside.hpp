@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// How an exchange is stepped on the line of a bus. Of the requests that are not the bus's own, those of the plan are
-// sent, in their turn; one to a silent node is sent later, and any other is refused. A stop never is.
+// How an exchange is stepped on the line of a bus. A request of the program is sent in its turn if the plan has it, and
+// later if its node is silent. Any other is refused, but for a stop.
 #pragma once
 
 #include <cstddef>
@@ -23,7 +23,7 @@ template <const auto& Plan> constexpr std::size_t place_of(std::uint8_t address)
     return i;
 }
 
-/// `longest`: of the request and the wait for its response.
+/// `longest`: the time of the request and of the wait for its response.
 template <const auto& Plan>
 constexpr admission judge(other_requests& others, std::uint8_t address, duration longest,
                           const bus_gaps& wanted, instant now) {

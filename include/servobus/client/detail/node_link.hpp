@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// A node on a line, and the facts that were learned of the node. They hold until a request to it gets no valid
-// response. The link is the base of a client. Blocking and stepped calls ask the link when their request leaves,
+// A node on a line, and the facts that were learned of the node. They hold until a request to the node gets no
+// valid response. The link is the base of a client. Blocking and stepped calls ask the link when their request leaves,
 // and report to it what a write makes stale.
 #pragma once
 
@@ -18,7 +18,7 @@ namespace servobus::detail {
 
 template <class Link> class stepped_request;
 
-/// Only a stepped call has one: with it a client gives it the link.
+/// The key for the link of a client. Only stepped calls have one.
 class stepped_key {
     template <class Link> friend class stepped_request;
     constexpr stepped_key() = default;
@@ -38,7 +38,7 @@ template <bool HasTokens> struct needed_token {
 };
 template <> struct needed_token<false> {};
 template <bool HasOrders> struct used_order {
-    word_order order = word_order::unknown; // no value of the write has two words
+    word_order order = word_order::unknown; // unknown: no value of the write has two words
     constexpr void use(word_order one) { order = one; }
 };
 template <> struct used_order<false> {
@@ -65,13 +65,13 @@ template <class Line, device_class Device, class Node> class node_link {
     }
     constexpr const Node& node() const { return node_; }
 
-    /// The node's; unknown if it is stale.
+    /// The node's word order; unknown if stale.
     constexpr word_order current_word_order() {
         if constexpr (loses_word_order) (void)current_epoch();
         drop_stale_word_order();
         return node_.word_order;
     }
-    /// True if the parts of one reading have one word order. `before`: the word order after the part before.
+    /// True if the parts of one reading have one word order. `before`: the word order after the previous part.
     static constexpr bool is_one_order(std::size_t part, word_order before, word_order now) {
         return part == 0 || now == before;
     }
@@ -162,13 +162,13 @@ template <class Line, device_class Device, class Node> class node_link {
         return distance < words;
     }
 
-    // An exchange that was not stepped to its end counts from here on.
+    // From here on an exchange that was not stepped to its end counts as a miss.
     [[gnu::noinline]] constexpr epoch current_epoch() {
         if constexpr (!Line::is_small) (void)line_->is_free();
         return line_->epoch(node_.address);
     }
-    // A word order that was read from the drive is valid in its epoch; the one that the node was made with
-    // remains. Only the epoch is asked for: `node()` is a look, and must not free the line of an exchange.
+    // A word order that was read from the drive is valid in its epoch; then that with which the node was made counts.
+    // No call of `is_free` here: `node()` must not free the line of an exchange.
     constexpr void drop_stale_word_order() {
         if constexpr (loses_word_order) {
             const epoch now = line_->epoch(node_.address);

@@ -34,9 +34,9 @@ template <class Link> class stepped_request {
     /// How the last call ended; `busy` while one is under way, `bad_argument` before the first.
     constexpr servobus::status status() const { return status_; }
 
-    /// Gives the call up. What has left is not called back: the status is then `timeout` (outcome unknown),
-    /// else `busy` (nothing was sent), or `own_echo` where only the check of a write was left. The line stays
-    /// in order, also if the object is destroyed.
+    /// Gives the call up. The status is `timeout` (outcome unknown) if any of the request has left, else `busy`
+    /// (nothing was sent), or `own_echo` if only the check of a write was left. The line stays in order, also if
+    /// the object is destroyed.
     constexpr void cancel() {
         if (done()) return;
         link_->line().abandon(exchange_);
@@ -83,8 +83,8 @@ template <class Link> class stepped_request {
             return u32{load_word(frame, 3)};
         }
     }
-    /// Writes a value of `Words` words: function 06, or 10h for two. `asks_first`: a response that may be an echo
-    /// must be ruled out before it leaves, not after it.
+    /// Writes a value of `Words` words: function 06, or 10h for two. `asks_first`: an echo must be ruled
+    /// out before the write leaves, not after it.
     template <std::size_t Words>
     constexpr errc begin_value(std::uint8_t* frame, u16 address, u32 bits, condition on, bool asks_first) {
         if (!done()) return errc::busy;
@@ -125,7 +125,7 @@ template <class Link> class stepped_request {
     constexpr errc order_known_if(bool matters) {
         return matters && current_order() == word_order::unknown ? errc::needs_word_order : errc::ok;
     }
-    /// The word order in which what was read is to be understood.
+    /// The word order of the words that were read.
     constexpr word_order order_at_end() const {
         if constexpr (Link::loses_word_order)
             return order_.value;
@@ -139,7 +139,7 @@ template <class Link> class stepped_request {
         return why;
     }
 
-    /// Moves the call on without waiting; `frame` is that of its beginning. Returns the time within which nothing
+    /// Moves the call on without waiting; `frame` is the one that it began with. Returns the time within which nothing
     /// happens unless a byte comes.
     constexpr duration move_on(std::uint8_t* frame) {
         if (done()) return {};
@@ -168,7 +168,7 @@ template <class Link> class stepped_request {
   private:
     using crc = typename line_type::crc;
 
-    // A look, which changes nothing.
+    // Const: a stale word order is not dropped.
     constexpr const auto& node() const { return std::as_const(*link_).node(); }
 
     constexpr errc begin_write(std::uint8_t* frame, std::size_t size, const condition& on, bool asks_first) {
