@@ -60,7 +60,7 @@ fi
 # Names of targets are plain, so that word splitting is harmless.
 [ $# -eq 0 ] || all="$*"
 
-usual="-std=c++20 -O1 -gline-tables-only -Wall -Wextra -Wpedantic -Wconversion -Wsign-conversion -Wold-style-cast -Wshadow -Werror"
+usual="-std=c++20 -O1 -g1 -Wall -Wextra -Wpedantic -Wconversion -Wsign-conversion -Wold-style-cast -Wshadow -Werror"
 usual="$usual -Iinclude ${CXXFLAGS:-}"
 mkdir -p "$found"
 # Otherwise the sanitizer keeps 256 MB of freed memory for each target.
