@@ -9,6 +9,7 @@
 #include <servobus/device/c630s/registers.hpp>
 #include <servobus/device/zlac8015d.hpp>
 #include <servobus/line/ring.hpp>
+#include <servobus/modbus/functions.hpp>
 #include <servobus/registers/catalogue.hpp>
 
 #include "program.hpp"
@@ -67,6 +68,26 @@ inline constexpr servobus::step too = servobus::steps::after_a_stop(servobus::st
     servobus::steps::write_zero<zlac::left_target_torque, zlac::right_target_torque>()));
 
 // clang-format off
+namespace modbus = servobus::modbus;
+constexpr int pdus() {
+    std::uint8_t pdu[16]{};
+    constexpr std::uint16_t values[]{255, 255};
+    constexpr bool coils[]{true, false};
+    (void)modbus::put_read_bits_request(pdu, modbus::function::read_coils, 0, 2000);
+    (void)modbus::put_read_bits_request(pdu, modbus::function::read_discrete_inputs, 0xFFFF, 1);
+    (void)modbus::put_read_bits_request(pdu, modbus::function::read_coils, 0, 8);
+    (void)modbus::put_write_coil_request(pdu, 0x00AC, true);
+    (void)modbus::put_write_coils_request(pdu, 0xFFFE, coils);
+    (void)modbus::put_write_coils_request(pdu, 0, modbus::bits_view{servobus::hex("CD 01"), 10});
+    (void)modbus::put_read_write_request(pdu, 3, 6, 14, values);
+    (void)modbus::put_read_write_request(pdu, 3, 6, 0xFFFE, values);
+    (void)modbus::put_loopback_request(pdu, values);
+    (void)modbus::put_diagnostic_request(pdu, modbus::diagnostic::bus_messages);
+    (void)modbus::put_bare_request(pdu, modbus::function::report_server_id);
+    (void)modbus::put_identification_request(pdu, {modbus::identification::regular, 0});
+    return pdu[0];
+}
+static_assert(pdus() == 0x2B);
 using namespace servobus;
 inline constexpr poll_plan plan_1{modbus::timing_at(9600), controlled(node<zlac::device>{1}, unsupervised),
     cyclic<zlac::status_word>(node<zlac::device>{1}, milliseconds(50))};

@@ -6,6 +6,8 @@
 // responds. It writes failed checks, and at the end the number of passed ones, to its UART; the simulator
 // prints them.
 #include <servobus/modbus/crc_tables.hpp>
+#include <servobus/modbus/functions.hpp>
+#include <servobus/modbus/growing_response.hpp>
 #include <servobus/modbus/server.hpp>
 #include <servobus/servobus.hpp>
 
@@ -43,6 +45,18 @@ void check(bool holds, std::uint16_t at_line) {
     put(at_line);
     put('\n');
 }
+
+// The other functions, evaluated by the compiler with this core's int.
+static_assert(check_response(hex("02 00 C4 00 16"), hex("02 03 AC DB 35")));
+static_assert(check_response(hex("02 00 C4 00 16"), hex("02 03 AC DB 75")) == errc::unexpected_value);
+static_assert(check_request(hex("01 00 00 07 D0")) == errc::ok && bytes_of_bits(0xFFFF) == 0x2000);
+static_assert(check_request(hex("01 FF FF 00 02")) == errc::wrong_address);
+static_assert(check_request(hex("05 00 AC FF FF")) == errc::wrong_value);
+static_assert(check_response(hex("0B"), hex("0B FF FF FF FF")));
+static_assert(check_response(hex("18 04 DE"), hex("18 00 02 80 00")) == errc::wrong_quantity);
+static_assert(check_response(hex("18 04 DE"), hex("18 FF FF 00 00")) == errc::wrong_byte_count);
+static_assert(growing_response{hex("18 04 DE")}.least_length(hex("18 FF FF")) == 3);
+static_assert(mask_write{0, 0x7FFF, 0x8000}.applied_to(0) == 0x8000);
 
 struct device {
     static constexpr profile facts{.name = "node", .word_order = word_order::low_first};

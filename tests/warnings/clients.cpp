@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Clients on a line, a line with local echo and a blocking line, a server, a pseudo-terminal and a ring.
+// Clients on a line, a line with local echo and a blocking line, PDUs of all functions, a server, a pseudo-terminal and a ring.
 // Their ports are declared but not defined, so that no compiler knows the values. This file is only
 // compiled.
 #include <array>
@@ -18,6 +18,8 @@
 #include <servobus/line/blocking_line.hpp>
 #include <servobus/line/ring.hpp>
 #include <servobus/modbus/crc_tables.hpp>
+#include <servobus/modbus/functions.hpp>
+#include <servobus/modbus/growing_response.hpp>
 #include <servobus/modbus/server.hpp>
 #include <servobus/posix/pseudo_terminal.hpp>
 
@@ -41,6 +43,32 @@ using echo_line = line<wire, counters, echoed>;
 using tight_line = blocking_line<wire, modbus::timing_at(115200)>;
 using strict_line = blocking_line<wire, modbus::timing_at(115200, modbus::timing_mode::strict),
                                   milliseconds(100), modbus::crc_table16>;
+
+errc check_a_response(bytes request, bytes response) {
+    modbus::growing_response growing{request};
+    if (growing.least_length(response) != response.size()) return errc::truncated_response;
+    return modbus::check_response(request, response).error();
+}
+std::size_t build_requests(byte_buffer out, std::uint16_t address, modbus::bits_view coils) {
+    const std::uint16_t values[]{address, 1};
+    std::size_t built = modbus::put_read_bits_request(out, modbus::function::read_coils, address, 8);
+    built += modbus::put_write_coil_request(out, address, coils[0]);
+    built += modbus::put_write_coils_request(out, address, coils);
+    built += modbus::put_mask_write_request(out, {address, 1, 2});
+    built += modbus::put_read_write_request(out, address, 2, address, values);
+    built += modbus::put_loopback_request(out, values);
+    built += modbus::put_diagnostic_request(out, modbus::diagnostic::bus_messages);
+    built += modbus::put_bare_request(out, modbus::function::report_server_id);
+    built += modbus::put_fifo_request(out, address);
+    return built + modbus::put_identification_request(out, {modbus::identification::basic, 0});
+}
+std::size_t length_of_identification(modbus::identification_parts& all, bytes response) {
+    std::size_t length = 0;
+    if (const auto part = all.take(response)) {
+        for (const modbus::identification_object object : *part) length += object.value.size();
+    }
+    return length;
+}
 
 template <class Client> errc use_wheels(Client& drive, int wanted) {
     using namespace zlac8015d;

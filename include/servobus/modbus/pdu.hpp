@@ -3,7 +3,7 @@
 //
 // Modbus protocol data units (PDU): builds and parses the requests and responses of functions 03, 04, 06 and
 // 10h, at compile time or at run time. modbus/rtu.hpp and the server include it; programs include it to parse
-// or build PDUs themselves.
+// or build PDUs themselves. modbus/functions.hpp has the other functions.
 //
 //     static_assert(modbus::parse_request(hex("03 20 A1 00 01"))->address == 0x20A1);
 //
@@ -19,11 +19,26 @@
 
 namespace servobus::modbus {
 
+/// Function codes of the standard. This header has the PDUs of 03, 04, 06 and 10h, modbus/functions.hpp includes those
+/// of the others.
 enum class function : std::uint8_t {
+    read_coils = 0x01,
+    read_discrete_inputs = 0x02,
     read_holding_registers = 0x03,
     read_input_registers = 0x04,
+    write_single_coil = 0x05,
     write_single_register = 0x06,
+    read_exception_status = 0x07,
+    diagnostics = 0x08,
+    get_event_counter = 0x0B,
+    get_event_log = 0x0C,
+    write_multiple_coils = 0x0F,
     write_multiple_registers = 0x10,
+    report_server_id = 0x11,
+    mask_write_register = 0x16,
+    read_write_registers = 0x17,
+    read_fifo_queue = 0x18,
+    encapsulated_interface = 0x2B, ///< with MEI type 0Eh: read device identification
 };
 
 /// Exception codes of the standard. Devices may use other numbers (`profile::exceptions`).
