@@ -148,15 +148,52 @@ void texts(corpus& to) {
                byte_list(text, text + std::string{text}.size()));
 }
 
+// The format of fuzz/fuzz_functions.cpp: the request's length, the request, the response. The pairs are those that the
+// standard prints.
+void functions(corpus& to) {
+    struct pair {
+        const char* name;
+        byte_list request;
+        byte_list response;
+    };
+    const pair all[]{
+        {"01", {1, 0, 0x13, 0, 0x13}, {1, 3, 0xCD, 0x6B, 5}},
+        {"02", {2, 0, 0xC4, 0, 0x16}, {2, 3, 0xAC, 0xDB, 0x35}},
+        {"03", {3, 0, 0x6B, 0, 3}, {3, 6, 2, 0x2B, 0, 0, 0, 0x64}},
+        {"05", {5, 0, 0xAC, 0xFF, 0}, {5, 0, 0xAC, 0xFF, 0}},
+        {"06", {6, 0, 1, 0, 3}, {6, 0, 1, 0, 3}},
+        {"07", {7}, {7, 0x6D}},
+        {"08", {8, 0, 0, 0xA5, 0x37}, {8, 0, 0, 0xA5, 0x37}},
+        {"08_counter", {8, 0, 0x0B, 0, 0}, {8, 0, 0x0B, 0x12, 0x34}},
+        {"0B", {11}, {11, 0xFF, 0xFF, 1, 8}},
+        {"0C", {12}, {12, 8, 0, 0, 1, 8, 1, 0x21, 0x20, 0}},
+        {"0F", {15, 0, 0x13, 0, 10, 2, 0xCD, 1}, {15, 0, 0x13, 0, 10}},
+        {"10", {16, 0, 1, 0, 2, 4, 0, 10, 1, 2}, {16, 0, 1, 0, 2}},
+        {"11", {17}, {17, 3, 0x42, 0xFF, 1}},
+        {"16", {22, 0, 4, 0, 0xF2, 0, 0x25}, {22, 0, 4, 0, 0xF2, 0, 0x25}},
+        {"17", {23, 0, 3, 0, 2, 0, 14, 0, 1, 2, 0, 0xFF}, {23, 4, 0, 0xFE, 10, 0xCD}},
+        {"18", {24, 4, 0xDE}, {24, 0, 6, 0, 2, 1, 0xB8, 0x12, 0x84}},
+        {"2B", {43, 14, 1, 0}, {43, 14, 1, 1, 0, 0, 2, 0, 2, 0x41, 0x42, 1, 0}},
+        {"2B_more", {43, 14, 1, 0}, {43, 14, 1, 1, 0xFF, 2, 2, 0, 2, 0x41, 0x42, 1, 1, 0x43}},
+        {"2B_single", {43, 14, 4, 5}, {43, 14, 4, 0x82, 0, 0, 1, 5, 1, 0x41}},
+        {"exception", {1, 0, 0x13, 0, 0x13}, {0x81, 2}},
+        {"no_function", {0x41, 0, 1}, {0x41, 0, 1}},
+    };
+    for (const pair& each : all)
+        to.add("standard_" + std::string{each.name},
+               byte_list{low(each.request.size())} + each.request + each.response);
+}
+
 } // namespace
 
 int main() {
     corpus request{"request"}, response{"response"}, server{"server"}, exchange{"exchange"}, line{"line"},
         blocking_line{"blocking_line"}, explain{"explain"}, text{"text"}, simulators{"simulators"},
-        libmodbus{"libmodbus"};
+        libmodbus{"libmodbus"}, of_functions{"functions"};
     calls(line);
     blocking_line_calls(blocking_line);
     texts(text);
+    functions(of_functions);
     std::uint8_t device = 0;
     for (const std::string manual : {"zlac8015d", "yako", "c630s"}) {
         const std::vector<printed> frames = frames_of("tests/manuals/" + manual + "_frames.csv");
