@@ -70,11 +70,10 @@ constexpr bool is_writable(std::uint16_t address, std::size_t coils) {
     if (!is) a_write_of_coils_has_1_to_1968_inside_the_address_space();
     return is;
 }
-/// The first six bytes of a request of function 0Fh, and zeros for its coils.
+/// The first six bytes of a request of function 0Fh.
 constexpr void put_coils_head(byte_buffer out, std::uint16_t address, std::uint16_t coils) {
     put_trusted_request(out, function::write_multiple_coils, address, coils);
     out[5] = static_cast<std::uint8_t>(bytes_of_bits(coils));
-    for (std::size_t i = 0; i < bytes_of_bits(coils); ++i) out[6 + i] = 0;
 }
 } // namespace detail
 
@@ -110,7 +109,7 @@ template <class Number> constexpr std::size_t put_write_coil_request(byte_buffer
 
 /// Builds a request of function 0Fh into `out`, with zeros as padding. Returns its length, 6 and the bytes of the
 /// coils; 0 if there are not 1..1968 coils, they do not fit the address space, the view has another number of bytes
-/// than its coils need, or `out` is too small.
+/// than its coils need, or `out` is too small. The coils may lie where they are sent.
 constexpr std::size_t put_write_coils_request(byte_buffer out, std::uint16_t address, bits_view coils) {
     if (!detail::is_writable(address, coils.size())) return 0;
     const std::size_t count = bytes_of_bits(coils.size());
@@ -132,6 +131,7 @@ constexpr std::size_t put_write_coils_request(byte_buffer out, std::uint16_t add
     const std::size_t length = 6 + bytes_of_bits(coils.size());
     if (out.size() < length) return 0;
     detail::put_coils_head(out, address, static_cast<std::uint16_t>(coils.size()));
+    for (std::size_t i = 6; i < length; ++i) out[i] = 0;
     for (std::size_t i = 0; i < coils.size(); ++i) {
         if (coils[i]) out[6 + i / 8] = static_cast<std::uint8_t>(out[6 + i / 8] | 1u << i % 8);
     }

@@ -58,6 +58,10 @@ static_assert(read_pdu(inputs, 0xFFFF, 1).size == 5);
 static_assert(bytes_of_bits(0) == 0 && bytes_of_bits(1) == 1 && bytes_of_bits(8) == 1 &&
               bytes_of_bits(9) == 2 && bytes_of_bits(0xFFFF) == 0x2000);
 
+static_assert(bits_request{}.code == coils && bits_request{}.address == 0 && bits_request{}.quantity == 0 &&
+              bits_request{}.coils().size() == 0);
+static_assert(coil_on == 0xFF00 && coil_off == 0 && max_read_bits == 2000 && max_write_bits == 1968);
+
 constexpr tests::request_case requests[]{
     {"01, the standard's", "01 00 13 00 13"},
     {"01, all", "01 00 00 07 D0"},
@@ -184,6 +188,12 @@ TEST_CASE("a request of bits that breaks a rule is not built, and nothing is wri
     CHECK(put(0, 3, 9) == 0);
     CHECK(put_write_coils_request(byte_buffer{many}.first(6), 0, bits_view{bytes{packed}.first(1), 1}) == 0);
     CHECK(many == std::array<std::uint8_t, max_pdu>{0x0F, 0, 0, 7, 0xB0, 246});
+    std::array<std::uint8_t, 8> same_place{9, 9, 9,    9,
+                                           9, 9, 0xFF, 0xFF}; // coils that lie where they are sent
+    CHECK(put_write_coils_request(same_place, 1, bits_view{bytes{same_place}.last(2), 12}) == 8);
+    CHECK(same_bytes(same_place, hex("0F 00 01 00 0C 02 FF 0F")));
+    CHECK(put_write_coils_request(same_place, 1, slice<const bool>{std::array<bool, 9>{}}) == 8);
+    CHECK(same_bytes(same_place, hex("0F 00 01 00 09 02 00 00"))); // over what was there
     const std::array<bool, 1969> values{};
     CHECK(put_write_coils_request(many, 0, slice<const bool>{values}) == 0);
     CHECK(put_write_coils_request(many, 0, slice<const bool>{values}.first(1968)) == 252);

@@ -51,6 +51,36 @@ static_assert(same_bytes(loopback_pdu({1, 2}), hex("08 00 00 00 01 00 02")));
 static_assert(same_bytes(diagnostic_pdu(diagnostic::bus_messages), hex("08 00 0B 00 00")));
 static_assert(same_bytes(fifo_pdu(0x04DE), hex("18 04 DE")));
 
+// The numbers of the standard's table in 6.8.
+constexpr diagnostic in_order[]{
+    diagnostic::clear_counters,
+    diagnostic::bus_messages,
+    diagnostic::bus_communication_errors,
+    diagnostic::bus_exceptions,
+    diagnostic::server_messages,
+    diagnostic::server_no_responses,
+    diagnostic::server_negative_acknowledgements,
+    diagnostic::server_busy,
+    diagnostic::bus_character_overruns,
+};
+constexpr bool is_in_order() {
+    unsigned number = 0x0A;
+    for (const diagnostic each : in_order) {
+        if (static_cast<unsigned>(each) != number++) return false;
+    }
+    return true;
+}
+static_assert(is_in_order());
+static_assert(same_bytes(diagnostic_pdu(diagnostic::diagnostic_register), hex("08 00 02 00 00")));
+static_assert(same_bytes(diagnostic_pdu(diagnostic::clear_overrun_counter), hex("08 00 14 00 00")));
+static_assert(parse_diagnostic_request(hex("08 00 01 00 00"))->what == diagnostic::restart_communications);
+static_assert(parse_diagnostic_request(hex("08 00 03 0D 00"))->what == diagnostic::change_delimiter);
+static_assert(parse_diagnostic_request(hex("08 00 04 00 00"))->what == diagnostic::listen_only);
+static_assert(diagnostic_request{}.what == diagnostic::loopback && diagnostic_request{}.data.size() == 0);
+static_assert(!event_counter{}.is_busy && event_counter{}.count == 0);
+static_assert(!event_log{}.is_busy && event_log{}.event_count == 0 && event_log{}.message_count == 0 &&
+              event_log{}.events.empty());
+
 constexpr tests::request_case requests[]{
     {"07", "07"},
     {"08, the standard's", "08 00 00 A5 37"},

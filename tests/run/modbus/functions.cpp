@@ -22,6 +22,11 @@ using tests::printed_pdu;
 
 namespace {
 
+static_assert(static_cast<int>(function::read_coils) == 1 &&
+              static_cast<int>(function::read_discrete_inputs) == 2 &&
+              static_cast<int>(function::write_single_coil) == 5 &&
+              static_cast<int>(function::write_multiple_coils) == 15);
+
 struct golden {
     printed_pdu request;
     printed_pdu response;

@@ -29,6 +29,12 @@ constexpr auto pdu_of(identification kind, std::uint8_t object) {
 static_assert(same_bytes(pdu_of(identification::basic, 0), hex("2B 0E 01 00")));
 static_assert(same_bytes(pdu_of(identification::single, 0x80), hex("2B 0E 04 80")));
 
+static_assert(identification_request{}.kind == identification::basic && identification_request{}.object == 0);
+static_assert(identification_object{}.id == 0 && identification_part{}.count == 0 &&
+              identification_part{}.next == 0 && identification_part{}.conformity == 0);
+static_assert(pdu_of(identification::regular, 3).data[2] == 2 &&
+              pdu_of(identification::extended, 3).data[2] == 3);
+
 constexpr tests::request_case requests[]{
     {"basic", "2B 0E 01 00"},
     {"extended", "2B 0E 03 FF"},

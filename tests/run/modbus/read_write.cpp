@@ -41,6 +41,10 @@ static_assert(same_bytes(read_write_pdu(3, 6, 14, {255, 255, 255}),
                          hex("17 00 03 00 06 00 0E 00 03 06 00 FF 00 FF 00 FF")));
 static_assert(read_write_pdu(0xFF83, 125, 0xFFFF, {1}).size == 12);
 
+static_assert(read_write{}.read_address == 0 && read_write{}.quantity == 0 &&
+              read_write{}.write_address == 0 && read_write{}.values.size() == 0);
+static_assert(mask_write{} == mask_write{0, 0xFFFF, 0});
+
 constexpr tests::request_case requests[]{
     {"16, the standard's", "16 00 04 00 F2 00 25"},
     {"17, the standard's", "17 00 03 00 06 00 0E 00 03 06 00 FF 00 FF 00 FF"},
