@@ -102,9 +102,8 @@ constexpr std::size_t put_write_coil_request(byte_buffer out, std::uint16_t addr
     return 5;
 }
 /// A number for a coil does not compile: 1 and FF00h would both be on.
-template <class Number> constexpr std::size_t put_write_coil_request(byte_buffer, std::uint16_t, Number) {
+template <class Number> constexpr void put_write_coil_request(byte_buffer, std::uint16_t, Number) {
     static_assert(std::is_same_v<Number, bool>, "a coil is written as true or false, not as a number");
-    return 0;
 }
 
 /// Builds a request of function 0Fh into `out`, with zeros as padding. Returns its length, 6 and the bytes of the

@@ -57,7 +57,7 @@ class growing_response {
         }
     }
 
-    /// The function's rule; `second` is the byte after the code.
+    /// The function's rule; `second` is the byte after the code. 07, and what has no rule, ends with it.
     constexpr void begin(std::uint8_t second) {
         switch (code_) {
         case 0x01:
@@ -76,7 +76,6 @@ class growing_response {
         case 0x16: return end_at(0, 7);
         case 0x18: return go_on(3);
         case 0x2B: return go_on(7);
-        default: return; // 07, and what has no rule
         }
     }
 

@@ -62,6 +62,36 @@ static_assert(bits_request{}.code == coils && bits_request{}.address == 0 && bit
               bits_request{}.coils().size() == 0);
 static_assert(coil_on == 0xFF00 && coil_off == 0 && max_read_bits == 2000 && max_write_bits == 1968);
 
+// A constant request that breaks a rule does not compile.
+static_assert(tests::is_constant([] {
+    std::uint8_t pdu[16]{};
+    return put_read_bits_request(pdu, coils, 0, 2000);
+}));
+static_assert(!tests::is_constant([] {
+    std::uint8_t pdu[16]{};
+    return put_read_bits_request(pdu, coils, 0, 2001);
+}));
+static_assert(!tests::is_constant([] {
+    std::uint8_t pdu[16]{};
+    return put_read_bits_request(pdu, function::read_holding_registers, 0, 1);
+}));
+static_assert(tests::is_constant([] {
+    std::uint8_t pdu[16]{};
+    return put_write_coils_request(pdu, 0xFFFF, bits_view{hex("CD"), 1});
+}));
+static_assert(!tests::is_constant([] {
+    std::uint8_t pdu[16]{};
+    return put_write_coils_request(pdu, 0xFFFF, bits_view{hex("CD"), 2});
+}));
+static_assert(!tests::is_constant([] {
+    std::uint8_t pdu[16]{};
+    return put_write_coils_request(pdu, 0, bits_view{hex("CD"), 9});
+}));
+static_assert(!tests::is_constant([] {
+    std::uint8_t pdu[16]{};
+    return put_write_coils_request(pdu, 0, slice<const bool>{});
+}));
+
 constexpr tests::request_case requests[]{
     {"01, the standard's", "01 00 13 00 13"},
     {"01, all", "01 00 00 07 D0"},

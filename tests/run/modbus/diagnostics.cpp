@@ -81,6 +81,24 @@ static_assert(!event_counter{}.is_busy && event_counter{}.count == 0);
 static_assert(!event_log{}.is_busy && event_log{}.event_count == 0 && event_log{}.message_count == 0 &&
               event_log{}.events.empty());
 
+// A constant request that breaks a rule does not compile.
+static_assert(tests::is_constant([] {
+    std::uint8_t pdu[16]{};
+    return put_bare_request(pdu, function::get_event_log);
+}));
+static_assert(!tests::is_constant([] {
+    std::uint8_t pdu[16]{};
+    return put_bare_request(pdu, function::diagnostics);
+}));
+static_assert(!tests::is_constant([] {
+    std::uint8_t pdu[16]{};
+    return put_loopback_request(pdu, slice<const std::uint16_t>{});
+}));
+static_assert(!tests::is_constant([] {
+    std::uint8_t pdu[16]{};
+    return put_diagnostic_request(pdu, diagnostic::listen_only);
+}));
+
 constexpr tests::request_case requests[]{
     {"07", "07"},
     {"08, the standard's", "08 00 00 A5 37"},

@@ -142,6 +142,7 @@ TEST_CASE("a length that no PDU has ends where it shows") {
     CHECK(least(hex("01 00 13 00 13"), hex("02 03")) == 2); // of another function
     CHECK(least(hex("41 00"), hex("41 03")) == 2);          // without a rule
     CHECK(least(bytes{}, hex("00 03")) == 2);
+    CHECK(least(bytes{}, hex("01 03")) == 2);
 }
 
 TEST_CASE("a loopback test is as long as its request, other diagnostics have five bytes") {

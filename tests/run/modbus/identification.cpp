@@ -35,6 +35,16 @@ static_assert(identification_object{}.id == 0 && identification_part{}.count == 
 static_assert(pdu_of(identification::regular, 3).data[2] == 2 &&
               pdu_of(identification::extended, 3).data[2] == 3);
 
+// A constant request that breaks a rule does not compile.
+static_assert(tests::is_constant([] {
+    std::uint8_t pdu[16]{};
+    return put_identification_request(pdu, {});
+}));
+static_assert(!tests::is_constant([] {
+    std::uint8_t pdu[16]{};
+    return put_identification_request(pdu, {static_cast<identification>(5), 0});
+}));
+
 constexpr tests::request_case requests[]{
     {"basic", "2B 0E 01 00"},
     {"extended", "2B 0E 03 FF"},

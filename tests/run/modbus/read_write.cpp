@@ -45,6 +45,20 @@ static_assert(read_write{}.read_address == 0 && read_write{}.quantity == 0 &&
               read_write{}.write_address == 0 && read_write{}.values.size() == 0);
 static_assert(mask_write{} == mask_write{0, 0xFFFF, 0});
 
+// A constant request that breaks a rule does not compile.
+static_assert(tests::is_constant([] {
+    std::uint8_t pdu[16]{};
+    return put_read_write_request(pdu, 0, 1, 0, std::array<std::uint16_t, 1>{});
+}));
+static_assert(!tests::is_constant([] {
+    std::uint8_t pdu[16]{};
+    return put_read_write_request(pdu, 0, 126, 0, std::array<std::uint16_t, 1>{});
+}));
+static_assert(!tests::is_constant([] {
+    std::uint8_t pdu[16]{};
+    return put_read_write_request(pdu, 0, 1, 0xFFFF, std::array<std::uint16_t, 2>{});
+}));
+
 constexpr tests::request_case requests[]{
     {"16, the standard's", "16 00 04 00 F2 00 25"},
     {"17, the standard's", "17 00 03 00 06 00 0E 00 03 06 00 FF 00 FF 00 FF"},
