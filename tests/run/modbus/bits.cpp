@@ -192,6 +192,7 @@ TEST_CASE("a parsed request has its own function, address, quantity and coils") 
     CHECK(parse_bits_request(hex("02 00 C4 00 16"))->is_read());
     CHECK(parse_bits_request(hex("03 00 C4 00 16")).error() == errc::wrong_function);
     CHECK(parse_bits_request(hex("00 00 C4 00 16")).error() == errc::wrong_function);
+    CHECK(parse_bits_request(bytes{}).error() == errc::too_short);
     CHECK(parse_bits_response(*on, single)->size() == 1);
     CHECK(parse_bits_response(*several, hex("8F 04")).exception() == 4);
 }
