@@ -53,7 +53,7 @@ check(posix.portable LABELS posix REAL_TIME COST 70 COMMAND sh tests/portable.sh
 # A hostile line, and fuzzing: the same inputs in every run, for what a search finds must not turn an unrelated change red.
 # As few runs as must have played each kind of event; `sh tests/sim.sh` has 1600.
 check(sim.all LABELS sim COST 70 COMMAND sh tests/sim.sh --seeds 1000)
-# What is left out is a third of the compiler's work; the fuzzers have it.
+# The sanitizers that are left out here take a third of the compiler's work. The fuzzers have them.
 check(sim.sanitizers LABELS sim COST 100 COMMAND sh tests/sim.sh --seeds 96
       ENVIRONMENT CXX=clang++ "CXXFLAGS=-fsanitize=address,undefined -fno-sanitize-recover=all -fno-sanitize=null,alignment,vptr,object-size,function")
 check(fuzz.all LABELS fuzz COST 70 ENVIRONMENT SEED=1 JOBS=1 COMMAND sh fuzz/run.sh 2)

@@ -66,7 +66,7 @@ inline bool is_one_of(unsigned value, std::initializer_list<unsigned> all) {
     return std::find(all.begin(), all.end(), value) != all.end();
 }
 
-/// What a server that has every row says to a request: 0, or the number of its exception.
+/// Returns the exception of a server that has every row, or 0 if it accepts the request.
 inline unsigned exception_of(const byte_list& pdu) {
     if (pdu.empty()) return 3;
     const unsigned code = pdu[0];
@@ -108,7 +108,7 @@ inline byte_list first(const byte_list& from, std::size_t count) {
     return {from.begin(), from.begin() + static_cast<std::ptrdiff_t>(count)};
 }
 
-/// Whether the bytes after a list's count are its objects.
+/// True if the bytes after the count of a list are its objects.
 inline bool are_objects(const byte_list& pdu, std::vector<unsigned>& ids) {
     std::size_t at = 7;
     while (at < pdu.size()) {

@@ -19,7 +19,7 @@ using namespace servobus; // NOLINT: as a test has it
 struct plan_reference {
     using u64 = std::uint64_t;
 
-    /// What a `duration` says of a time that it may not hold.
+    /// The time as a `duration` has it: at most the longest.
     static u64 cut(u64 us) { return std::min<u64>(us, 0xFFFF'FFFF); }
 
     modbus::rtu_timing timing;

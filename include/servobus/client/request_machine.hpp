@@ -82,18 +82,18 @@ class request_machine {
         return false;
     }
 
-    /// A look has ended with `why`; `has_heard`: anything came. True if the look is to be repeated, which is done once:
-    /// the bytes may be a damaged response. A response, silence and a failure of the port end it at once.
-    constexpr bool looks_again(const status& why, bool has_heard) {
-        const bool repeats = is_garbled(why, has_heard) && attempts_++ == 0;
+    /// A look has ended with `why`; `has_received`: anything came. True if the look is to be repeated, which is done once:
+    /// the bytes may be a damaged response. A response, a timeout without a byte and a failed port end it.
+    constexpr bool looks_again(const status& why, bool has_received) {
+        const bool repeats = is_garbled(why, has_received) && attempts_++ == 0;
         if (!repeats) stage_ = stage::ended;
         return repeats;
     }
     /// True if what came is no response. To a UART two devices, or another baud rate, look like a garbled character.
-    static constexpr bool is_garbled(const status& why, bool has_heard) {
+    static constexpr bool is_garbled(const status& why, bool has_received) {
         if (why.error() == errc::receive_failed) return true;
         // A timeout too: bytes of another node, or that were ignored until a gap, may have come.
-        if (why.error() == errc::timeout) return has_heard;
+        if (why.error() == errc::timeout) return has_received;
         return why.error() >= errc::no_echo && why.error() != errc::gateway_exception && !why.has_response();
     }
 

@@ -53,9 +53,9 @@ constexpr finding look_for(Line& on, std::uint8_t node_address, const response_l
     if (why.has_response()) return {presence::present, false, 0, why};
     if (why.error() == errc::no_echo) return {presence::failed, false, 0, why};
     if (request_machine::is_garbled(why, x.has_received())) return {presence::garbled, false, 0, why};
-    // A gateway's exception is silence too: the gateway got no response.
-    const bool is_silent = why.error() == errc::timeout || why.error() == errc::gateway_exception;
-    return {is_silent ? presence::no_response : presence::failed, false, 0, why};
+    // A gateway's exception says that the gateway got no response.
+    const bool got_nothing = why.error() == errc::timeout || why.error() == errc::gateway_exception;
+    return {got_nothing ? presence::no_response : presence::failed, false, 0, why};
 }
 
 } // namespace servobus

@@ -23,7 +23,7 @@
 
 namespace servobus::modbus {
 
-/// What a request for identification asks for ("read device ID code").
+/// The objects that a request for identification asks for ("read device ID code").
 enum class identification : std::uint8_t {
     basic = 1,    ///< vendor name, product code, revision: objects 00..02
     regular = 2,  ///< also objects 03..7F, such as product name and model name

@@ -356,7 +356,7 @@ TEST_CASE(
         line<tests::scripted_port> on{port, with_long_writes.timing()};
         zlac8015d::drive wheels{on, wheels_node, unsupervised};
         [[maybe_unused]] auto all = make_bus<with_long_writes>(on, wheels); // the line is its line now
-        // It begins at the end of its time limit, and has nearly the longest pause.
+        // The response begins at the end of its time limit, and has nearly the longest pause.
         port.device = [](tests::scripted_port& p, const tests::sent_frame& f) {
             if (f.data[0] != sensor_node.address) return;
             const tests::byte_list response = tests::acknowledgement(f.data);

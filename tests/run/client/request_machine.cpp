@@ -136,7 +136,7 @@ TEST_CASE("G3: any other function is sent once, and its response is refused if i
 TEST_CASE("a look is repeated once, and only if what came was no response") {
     struct answer {
         status end;
-        bool has_heard;
+        bool has_received;
         bool is_garbled;
     };
     const answer answers[] = {
@@ -158,10 +158,10 @@ TEST_CASE("a look is repeated once, and only if what came was no response") {
         for (const answer& second : answers) {
             request_machine call = request_machine::look();
             CHECK(call.now() == stage::looking);
-            CHECK(call.looks_again(first.end, first.has_heard) == first.is_garbled);
+            CHECK(call.looks_again(first.end, first.has_received) == first.is_garbled);
             CHECK(call.done() == !first.is_garbled);
             if (!first.is_garbled) continue;
-            CHECK_FALSE(call.looks_again(second.end, second.has_heard));
+            CHECK_FALSE(call.looks_again(second.end, second.has_received));
             CHECK(call.done());
         }
     }

@@ -14,12 +14,14 @@
 
 #include <servobus/modbus/pdu.hpp>
 
+#include <tests/support/function_cases.hpp>
 #include <tests/support/scripted_port.hpp>
 
 namespace pdu_tests {
 
 using namespace servobus;
 using namespace servobus::modbus;
+using tests::built_pdu;
 using tests::byte_list;
 
 namespace {
@@ -27,30 +29,24 @@ namespace {
 constexpr function holding = function::read_holding_registers;
 constexpr function input = function::read_input_registers;
 
-template <std::size_t N> struct built {
-    std::array<std::uint8_t, N> data{};
-    std::size_t size = 0;
-    constexpr operator bytes() const { return bytes{data.data(), size}; }
-};
-
 constexpr auto read_pdu(function code, std::uint16_t address, std::uint16_t quantity) {
-    built<5> b;
+    built_pdu<5> b;
     b.size = put_read_request(b.data, code, address, quantity);
     return b;
 }
 constexpr auto write_pdu(std::uint16_t address, std::uint16_t value) {
-    built<5> b;
+    built_pdu<5> b;
     b.size = put_write_request(b.data, address, value);
     return b;
 }
 template <std::size_t N>
 constexpr auto write_pdu(std::uint16_t address, const std::array<std::uint16_t, N>& values) {
-    built<6 + 2 * N> b;
+    built_pdu<6 + 2 * N> b;
     b.size = put_write_request(b.data, address, std::span<const std::uint16_t>{values});
     return b;
 }
 constexpr auto exception_pdu(std::uint8_t code, std::uint8_t number) {
-    built<2> b;
+    built_pdu<2> b;
     b.size = put_exception(b.data, code, number);
     return b;
 }
