@@ -199,25 +199,39 @@ template <std::size_t Devices> class basic_virtual_line {
     void go_on(std::uint64_t end) {
         std::uint64_t next = earlier(end, time_ + 1'000'000); // clocks wrap: devices run each second
         if (is_sending()) next = earlier(next, next_out_);
-        for (const transmission& v : transmissions_) {
-            if (!v.is_free()) next = earlier(next, v.next_at);
-        }
+        if (responding_ != 0) next = earlier(next, next_response_byte());
         if (echoed_ != 0) next = earlier(next, echoes_[first_echo_].at_us);
         next = earlier(next, next_look_);
         if (next > time_) time_ = next;
         if (is_sending() && next_out_ <= time_) pass_request_byte();
-        for (transmission& v : transmissions_) {
-            if (!v.is_free() && v.next_at <= time_) pass_response_byte(v);
-        }
+        if (responding_ != 0) pass_response_bytes();
         for (; echoed_ != 0 && echoes_[first_echo_].at_us <= time_; --echoed_) {
             deliver(echoes_[first_echo_].value);
             first_echo_ = (first_echo_ + 1) % echoes_.size();
         }
         run_devices();
         idle_until_ = earlier(next_look_, time_ + longest_lag_us);
-        if (is_sending() || echoed_ != 0) idle_until_ = 0;
-        for (const transmission& v : transmissions_) {
-            if (!v.is_free()) idle_until_ = 0;
+        if (is_sending() || echoed_ != 0 || responding_ != 0) idle_until_ = 0;
+    }
+
+    std::uint64_t next_response_byte() const {
+        std::uint64_t next = never;
+        std::size_t left = responding_;
+        for (std::size_t i = 0; left != 0; ++i) {
+            const transmission& v = transmissions_[i];
+            if (v.is_free()) continue;
+            next = earlier(next, v.next_at);
+            --left;
+        }
+        return next;
+    }
+    void pass_response_bytes() {
+        std::size_t left = responding_;
+        for (std::size_t i = 0; left != 0; ++i) {
+            transmission& v = transmissions_[i];
+            if (v.is_free()) continue;
+            if (v.next_at <= time_) pass_response_byte(v);
+            --left;
         }
     }
 
@@ -251,6 +265,7 @@ template <std::size_t Devices> class basic_virtual_line {
 
     void pass_response_byte(transmission& v) {
         const std::uint8_t byte = mixed(v.data[v.gone++], &v);
+        if (v.is_free()) --responding_;
         v.next_at += v.character;
         if (is_cut() || !places_[v.device].is_connected) return;
         if (hook_ != nullptr) hook_(hook_context_, {time_, byte, false});
@@ -310,6 +325,7 @@ template <std::size_t Devices> class basic_virtual_line {
             v.device = device;
             v.baud = baud;
             v.character = character;
+            ++responding_;
             return;
         }
     }
@@ -324,6 +340,7 @@ template <std::size_t Devices> class basic_virtual_line {
     std::uint64_t idle_until_ = 0; // no event happens before
     std::array<place, Devices> places_{};
     std::array<transmission, 8> transmissions_{};
+    std::size_t responding_ = 0; // transmissions that are not free: in most steps there is none
     std::array<std::uint8_t, 512> request_{};
     std::array<std::uint8_t, 8192> inbox_{};
     std::array<wire_byte, 512> echoes_{};
