@@ -22,6 +22,7 @@
 #include <servobus/modbus/growing_response.hpp>
 #include <servobus/modbus/server.hpp>
 #include <servobus/posix/pseudo_terminal.hpp>
+#include <servobus/registers/tables.hpp>
 
 using namespace servobus;
 
