@@ -1,0 +1,132 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// Registers of a frame as text: their names from the catalogue, their values with scale and unit, and what does not fit
+// the register.
+#pragma once
+
+#include <servobus/core/cxx20.hpp>
+
+#include <cstddef>
+#include <cstdint>
+
+#include <servobus/core/bytes.hpp>
+#include <servobus/core/text.hpp>
+#include <servobus/registers/catalogue.hpp>
+#include <servobus/registers/format.hpp>
+#include <servobus/registers/wire.hpp>
+
+namespace servobus::detail {
+
+class register_text {
+  public:
+    enum class kind : std::uint8_t { request, response, values };
+
+    constexpr register_text(const catalogue& map, word_order order, text_writer& out)
+        : map_{&map}, word_order_{order == word_order::unknown ? map.device->word_order : order}, out_{out} {
+        if (word_order_ == word_order::unknown) assume_factory_word_order();
+    }
+    register_text(const register_text&) = delete;
+    register_text& operator=(const register_text&) = delete;
+
+    constexpr const profile& device() const { return *map_->device; }
+
+    /// Writes the names of registers and, if `words` is not empty, their values: "name (0x2080) = 500 ms, …".
+    constexpr void put(u16 address, u16 quantity, words_view words, kind how) {
+        bool is_rescalable = false;
+        bool is_reorderable = false;
+        for (u16 i = 0; i < quantity;) {
+            if (i != 0) out_ << ", ";
+            const auto at = static_cast<u16>(address + i);
+            const entry* e = map_->find(at);
+            if (e == nullptr) {
+                i = static_cast<u16>(i + unknown(at, static_cast<u16>(quantity - i), words, i));
+                continue;
+            }
+            const std::size_t size = e->words();
+            const bool is_whole = at == e->address && i + size <= quantity;
+            if (!is_whole) out_ << half_of_pair(at == e->address);
+            out_ << e->name;
+            if (how != kind::values) put_address(at);
+            if (i < words.size()) {
+                out_ << " = ";
+                if (is_whole) {
+                    value(*e, words, i, how);
+                    is_reorderable = is_reorderable || (is_factory_word_order_ && size == 2);
+                } else {
+                    out_.hex_word(words[i]);
+                }
+            }
+            if (how == kind::request && words.size() != 0 && e->rights == access::ro) out_ << " (read-only)";
+            is_rescalable = is_rescalable || (i < words.size() && has(e->flags, flag::scaled_elsewhere));
+            i = static_cast<u16>(i + (is_whole ? size : 1u));
+        }
+        if (is_reorderable) out_ << " (in the factory's word order)";
+        if (is_rescalable) out_ << factory_scale_note;
+    }
+
+  private:
+    constexpr void assume_factory_word_order() {
+        const u16 at = map_->device->word_order_register;
+        const entry* e = at != 0 ? map_->find(at) : nullptr;
+        if (e == nullptr || e->initial < 0 || e->initial > 1) return;
+        word_order_ = e->initial == 0 ? word_order::high_first : word_order::low_first;
+        is_factory_word_order_ = true;
+    }
+
+    constexpr void value(const entry& e, words_view words, std::size_t i, kind how) {
+        u32 bits = words[i];
+        if (e.words() == 2) {
+            if (word_order_ == word_order::unknown) {
+                out_.hex_word(words[i]) << ' ';
+                out_.hex_word(words[i + 1]) << " (word order unknown)";
+                return;
+            }
+            bits = join_words(words[i], words[i + 1], word_order_);
+        }
+        put_value(out_, e, bits);
+        if (how == kind::request && !e.limits.contains(e.number(bits))) {
+            out_ << " (outside ";
+            put_count(out_, e.limits.low, e.unit_of_count);
+            out_ << "..";
+            put_count(out_, e.limits.high, e.unit_of_count);
+            out_ << ')';
+        }
+    }
+
+    constexpr const char* half_of_pair(bool is_first) const {
+        if (word_order_ == word_order::unknown || is_factory_word_order_)
+            return is_first ? "first word of " : "second word of ";
+        return is_first == (word_order_ == word_order::high_first) ? "high word of " : "low word of ";
+    }
+
+    // Writes consecutive addresses that the catalogue does not have. Returns how many there are.
+    constexpr u16 unknown(u16 at, u16 most, words_view words, u16 i) {
+        u16 n = 1;
+        while (n < most && map_->find(static_cast<u16>(at + n)) == nullptr) ++n;
+        out_ << (n == 1 ? "unknown register (" : "unknown registers (");
+        out_.hex_word(at);
+        if (n > 1) {
+            out_ << "..";
+            out_.hex_word(static_cast<u16>(at + n - 1));
+        }
+        out_ << ')';
+        for (std::size_t k = i; k < words.size() && k < std::size_t{i} + n; ++k) {
+            out_ << (k == i ? " = " : " ");
+            out_.hex_word(words[k]);
+        }
+        return n;
+    }
+
+    constexpr void put_address(u16 address) {
+        out_ << " (";
+        out_.hex_word(address) << ')';
+    }
+
+    const catalogue* map_;
+    word_order word_order_;
+    bool is_factory_word_order_ = false; // `word_order_` is assumed; the text has a note
+    text_writer& out_;
+};
+
+} // namespace servobus::detail
