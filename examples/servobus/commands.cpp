@@ -42,7 +42,8 @@ constexpr option_group of_records{"Records for programs", "One from read, one a 
 constexpr const option_group* line_only[] = {&of_line};
 constexpr const option_group* line_and_records[] = {&of_line, &of_records};
 
-constexpr option explain_options[] = {{"hex", "", "repeats the frame in front of its explanation"}};
+constexpr option explain_options[] = {
+    {"hex", "", "repeats the frame in front of its explanation, and of several in a line the place of each"}};
 
 constexpr option sim_options[] = {
     {"node", "N", "address (default 1)"},
@@ -105,7 +106,10 @@ constexpr command table[] = {
      .about =
          "Takes frames from standard input in hex, \"> \" or \"< \" in front for a request or a response; "
          "without it both are tried. Lines may have the form of other programs' logs (0x1 0x3, 01:03, "
-         "[01][03], Tx:000001-01 03), several frames, and noise around a frame; what follows # is skipped. "
+         "[01][03], Tx:000001-01 03), several frames without a gap, cut by their lengths and CRC, and noise "
+         "around a frame; what follows # is skipped. Every function of the standard has words; of another "
+         "one "
+         "the bytes are printed. "
          "A response to a read is named by the last request before it. Several devices "
          "by their addresses: zlac8015d:1 c630s:2; one without NODE has all other addresses.",
      .options = explain_options,

@@ -120,8 +120,8 @@ MANUALS = {
         ("", end_of(node=1, requests=4, responses=3, exceptions=1)),
     ],
     "yako-closed-loop": [
-        ("01 02 00 00 00 04 79 C9", "? node 1: valid frame of function 02 (read discrete inputs), data 00 00 00 04"),
-        ("01 82 02 C1 61", "< node 1: response, exception 2 (function code error) to function 02 (after T)"),
+        ("01 02 00 00 00 04 79 C9", "> node 1: read discrete inputs 0x0000..0x0003"),
+        ("01 82 02 C1 61", "< node 1: response, exception 2 (function code error) to read discrete inputs 0x0000..0x0003 (after T)"),
         ("01 06 00 27 01 00 38 51", "> node 1: write motion_command (0x0027) = stop (0x0100)"),
         ("", end_of(node=1, requests=2, responses=0, exceptions=1)),
     ],

@@ -104,16 +104,67 @@ def explained(tool: Tool):
     tool.out_has("explain: the next frame is explained all the same", "enable")
     explain(tool, "> 01 02 00 00 00 04 79 C9", "< 01 82 02 C1 61")
     tool.is_equal("explain: a response to an invalid request belongs to it", tool.last.lines[-1],
-                  "node 1: response, exception 2 (illegal data address) to function 02")
+                  "node 1: response, exception 2 (illegal data address) to read discrete inputs 0x0000..0x0003")
     explain(tool, "what is this")
     tool.status_is("explain: no hex is status 1", 1)
     tool.out_is("explain: and says why", "invalid: not a frame in hex")
-    explain(tool, "01 05 00 AC FF 00 4C 1B", "< 01 01 02 CD 01 2C AC", "11 11 CD EC")
-    tool.out_is("explain: valid frames of other functions, with their bytes",
-                "node 1: valid frame of function 05 (write single coil), data 00 AC FF 00",
-                "node 1: valid frame of function 01 (read coils), data 02 CD 01",
-                "node 17: valid frame of function 11h (report server ID), no data")
-    tool.status_is("explain: which is status 0", 0)
+
+
+def framed(pdu: str, node: int = 1) -> str:
+    """A frame in hex around a PDU in hex."""
+    data = bytes([node]) + bytes.fromhex(pdu)
+    crc = 0xFFFF
+    for byte in data:
+        crc ^= byte
+        for _ in range(8):
+            crc = crc >> 1 ^ (0xA001 if crc & 1 else 0)
+    return (data + crc.to_bytes(2, "little")).hex(" ")
+
+
+# The examples of the standard, and their words: each request, then its response.
+OF_STANDARD = [
+    ("01 0013 0013", "read coils 0x0013..0x0025"),
+    ("01 03 CD6B05", "response, coils 0x0013..0x0025 = 10110011 11010110 101"),
+    ("02 00C4 0016", "read discrete inputs 0x00C4..0x00D9"),
+    ("02 03 ACDB35", "response, discrete inputs 0x00C4..0x00D9 = 00110101 11011011 101011"),
+    ("05 00AC FF00", "write coil 0x00AC = on (request, or the response that echoes it)"),
+    ("05 00AC FF00", "write coil 0x00AC = on (the request again, or the response that echoes it)"),
+    ("07", "read exception status"),
+    ("07 6D", "response, exception status 0x6D"),
+    ("08 0000 A537", "loopback test 0xA537 (request, or the response that echoes it)"),
+    ("08 0000 A537", "loopback test 0xA537 (the request again, or the response that echoes it)"),
+    ("0B", "read event counter"),
+    ("0B FFFF 0108", "response, event counter 264, busy"),
+    ("0C", "read event log"),
+    ("0C 08 0000 0108 0121 2000", "response, event log of 264 events and 289 messages, newest first: 20 00"),
+    ("0F 0013 000A 02 CD01", "write coils 0x0013..0x001C = 10110011 10"),
+    ("0F 0013 000A", "response, coils 0x0013..0x001C written"),
+    ("11", "report server ID"),
+    ("11 03 07FF41", "response, server ID 07 FF 41"),
+    ("16 2034 00F2 0025",
+     "mask write left_max_current (0x2034), and 0x00F2, or 0x0025 (request, or the response that echoes it)"),
+    ("17 20A1 0001 2080 0001 02 01F4",
+     "write left_acceleration_time (0x2080) = 500 ms, then read bus_voltage (0x20A1)"),
+    ("17 02 0960", "response, bus_voltage = 24.00 V"),
+    ("18 04DE", "read FIFO queue (0x04DE)"),
+    ("18 0006 0002 01B8 1284", "response, FIFO queue (0x04DE), 2 words 0x01B8 0x1284"),
+    ("2B 0E 01 00", "read basic identification"),
+    ("2B 0E 01 01 00 00 02 00 02 4142 01 01 43", 'response, identification, vendor name "AB", product code "C"'),
+    ("14 07 06 0004 0001 0002", "valid frame of function 14h (read file record), data 07 06 00 04 00 01 00 02"),
+    ("65 01", "valid frame of function 65h (user-defined), data 01"),
+]
+
+
+@scene()
+def explained_functions(tool: Tool):
+    frames = [framed(pdu) for pdu, _ in OF_STANDARD]
+    words = [f"node 1: {text}" for _, text in OF_STANDARD]
+    explain(tool, *frames)
+    tool.out_is("explain: every function of the standard, and the bytes of what has no words", *words)
+    tool.status_is("explain: and status 0", 0)
+    tool.run("explain zlac8015d", stdin="".join(frames).replace(" ", "") + "\n")
+    tool.out_is("explain: the same in one line without a gap", *words)
+    tool.status_is("explain: also status 0", 0)
 
 
 @scene()
@@ -143,6 +194,50 @@ def explained_from_other_programs(tool: Tool):
     tool.out_is("explain: a damaged frame after a valid one", READS,
                 "invalid: no frame in 9 bytes: 01 03 04 00 64 00 64 BA 08")
     tool.status_is("explain: is status 1", 1)
+
+
+# Lines as programs write them, one of each, and who does; each frame has a right CRC.
+LOGGED = [
+    ("0x1 0x3 0x0 0x0 0x0 0x2 0xc4 0xb", "pymodbus: request, node 1 reads 0000h..0001h"),
+    ("01.03.00.00.00.02.C4.0B (8)", "ESPHome modbus write"),
+    (">>> 01:03:00:00:00:02:C4:0B", "ESPHome uart debug: request"),
+    ("<<< 01:03:04:00:01:00:02:2A:32", "ESPHome uart debug: response 1, 2"),
+    ("[01][03][00][00][00][02][C4][0B]", "libmodbus, mbpoll -v: request"),
+    ("<01><03><04><00><01><00><02><2A><32>", "libmodbus, mbpoll -v: response"),
+    ("<Buffer 01 03 00 00 00 02 c4 0b>", "node"),
+    ("Tx:000001-01 03 00 00 00 02 C4 0B", "Modbus Poll"),
+    ("01-03-00-00-00-02-C4-0B", ".NET"),
+    ("01 03 00 00 00 02 C4 0B 01 03 04 00 01 00 02 2A 32",
+     "one read of /dev/ttyS0: request and response glued (epics-modules/modbus#39)"),
+    ("FF 00 9C 03 04 00 ED 18 AA AC B0 00",
+     "esphome/issues#3373: noise before and after a response of node 156"),
+]
+
+
+@scene()
+def explained_logs(tool: Tool):
+    asks = "node 1: read unknown registers (0x0000..0x0001)"
+    answers = "node 1: response, unknown registers (0x0000..0x0001) = 0x0001 0x0002"
+    noisy = ("node 156: response, 2 words 0x00ED 0x18AA (no response to the request before it: frame of another node)"
+             " (noise before it: FF 00) (noise after it: 00)")
+    expected = [asks, asks, asks, answers, asks, answers, asks, asks, asks, asks, answers, noisy]
+    explain(tool, *[f"{line}    # {source}" for line, source in LOGGED], devices="raw")
+    tool.out_is("explain: a line of each program, all together", *expected)
+    tool.status_is("explain: which are valid", 0)
+    for line, source in LOGGED:
+        explain(tool, line, devices="raw")
+        tool.status_is(f"explain: the line of {source}", 0)
+        tool.check("explain: has no invalid frame", tool.last.out and "invalid" not in tool.last.out)
+
+
+@scene()
+def explained_with_places(tool: Tool):
+    glued = "01 03 20 AB 00 02 BE 2B 01 03 04 00 64 00 64 BA 07"
+    tool.run("explain zlac8015d --hex", stdin=glued + " 12 34 56 78\n")
+    tool.out_is("explain --hex: where each frame of a line stands", f"{glued[:23]}  (bytes 1..8)  {READS}",
+                f"{glued[24:]}  (bytes 9..17)  {SPEEDS}",
+                "12 34 56 78  (bytes 18..21)  invalid: no frame in 4 bytes: 12 34 56 78")
+    tool.status_is("explain --hex: the rest is status 1", 1)
 
 
 @scene()

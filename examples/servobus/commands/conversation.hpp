@@ -13,6 +13,7 @@
 
 #include <servobus/explain/explain.hpp>
 
+#include "../text/frame_sizes.hpp"
 #include "frame_cutter.hpp"
 
 namespace tool {
@@ -107,20 +108,25 @@ class conversation {
         const std::uint8_t code = frame.data[1];
         if ((code & servobus::modbus::exception_flag) != 0) return response;
         if (frame.data[0] == servobus::modbus::broadcast) return request;
-        const servobus::bytes pdu = servobus::bytes{frame.data}.subspan(1, frame.data.size() - 3);
-        const bool may_be_request{servobus::modbus::parse_request(pdu)};
-        const bool may_be_response{servobus::modbus::parse_response(pdu)};
+        const servobus::bytes pdu = pdu_of(frame.data, frame.data.size());
+        const bool may_be_request = servobus::is_request(pdu);
+        const bool may_be_response = servobus::is_response(pdu);
         if (may_be_request != may_be_response) return may_be_request ? request : response;
         if (may_be_request) {
             const bool is_waited_for = state_ == state::open || state_ == state::tentative;
-            if (is_waited_for && frame.data == request_ && frame.begin <= asked_ + timeout_) return response;
+            const bool is_in_time = is_waited_for && frame.begin <= asked_ + timeout_;
+            if (is_in_time && frame.data[0] == request_[0] && answers_request(pdu)) return response;
             return is_in_doubt_ && !is_waited_for ? unknown : request;
         }
         // Neither: what is wrong with it is said by `explain`.
-        const bool is_known = servobus::modbus::is_read(code) || servobus::modbus::is_write(code);
-        if (is_known && frame.data.size() == servobus::modbus::request_length(frame.data)) return request;
+        const bool is_known = servobus::is_of_known_function(pdu);
+        if (is_known && frame.data.size() == request_size(frame.data)) return request;
         if (may_be_answered() && frame.data[0] == request_[0] && code == request_[1]) return response;
         return is_in_doubt_ ? unknown : request;
+    }
+    bool answers_request(servobus::bytes pdu) const {
+        const servobus::bytes asked = pdu_of(request_, request_.size());
+        return servobus::modbus::check_response(asked, pdu) == servobus::errc::ok;
     }
 
     void take_damaged(std::size_t size) {
@@ -173,7 +179,8 @@ class conversation {
             return response[2] == 2u * servobus::load_word(request, 4);
         if (servobus::modbus::is_write(request[1]) && request.size() >= 8 && response.size() == 8)
             return servobus::load_word(response, 2) == servobus::load_word(request, 2);
-        return true;
+        const bool is_checked = servobus::is_request(pdu_of(request, request.size()));
+        return !is_checked || answers_request(pdu_of(response, response.size()));
     }
 
     moment timeout_;

@@ -9,6 +9,16 @@
 #include "../text/streams.hpp"
 
 namespace tool {
+namespace {
+
+// The frame in front of its explanation, and where it stands among the bytes of its line.
+std::string repeated(const frame_explainer::explained& e, const captured& line) {
+    if (e.frame.frame.size() == line.frame.size()) return line_of(e.frame) + "  ";
+    return line_of(e.frame) + "  (bytes " + std::to_string(e.offset + 1) + ".." +
+           std::to_string(e.offset + e.frame.frame.size()) + ")  ";
+}
+
+} // namespace
 
 int explain(const arguments& asked) {
     if (asked.words().empty()) return complain(usage, "explain takes DEVICE[:NODE]...");
@@ -28,7 +38,7 @@ int explain(const arguments& asked) {
             continue;
         }
         for (const frame_explainer::explained& e : explainer.explain_line(*c)) {
-            if (asked.has("hex")) std::printf("%s  ", line_of(e.frame).c_str());
+            if (asked.has("hex")) std::printf("%s", repeated(e, *c).c_str());
             std::printf("%s\n", e.text.c_str());
             if (!e.is_valid) status = failed;
         }

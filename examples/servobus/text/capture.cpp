@@ -89,14 +89,17 @@ frame_explainer::explained frame_explainer::explain(const captured& c) {
         e = explain_as(c, way, text);
     }
     if (is_new_request(e, way, c.frame, last_request_)) last_request_ = c.frame;
-    return {std::string{text, e.size}, e.is_valid(), {way, c.frame}};
+    return {std::string{text, e.size}, e.is_valid(), {way, c.frame}, 0};
 }
 
 std::vector<frame_explainer::explained> frame_explainer::explain_line(const captured& c) {
     const found_frames found = log_line::find_frames(c.frame, last_request_);
     if (found.frames.empty()) return {explain(c)};
     std::vector<explained> all;
+    std::size_t offset = 0;
     const auto add_noise = [&](const frame_bytes& noise, const char* where, explained* around) {
+        const std::size_t begin = offset;
+        offset += noise.size();
         if (noise.empty()) return;
         if (noise.size() < servobus::modbus::min_frame || log_line::is_idle_line(noise)) {
             around->text += std::string{" (noise "} + where + " it: " + hex_text(noise) + ')';
@@ -104,7 +107,8 @@ std::vector<frame_explainer::explained> frame_explainer::explain_line(const capt
         }
         all.push_back({"invalid: no frame in " + std::to_string(noise.size()) + " bytes: " + hex_text(noise),
                        false,
-                       {direction::unknown, noise}});
+                       {direction::unknown, noise},
+                       begin});
     };
     const bool is_one = found.frames.size() == 1;
     for (const found_frame& f : found.frames) {
@@ -112,6 +116,8 @@ std::vector<frame_explainer::explained> frame_explainer::explain_line(const capt
         explained e = explain(
             {is_one ? c.way : direction::unknown, f.frame, is_one ? c.of_client : direction::unknown});
         add_noise(f.noise, "before", &e);
+        e.offset = offset;
+        offset += f.frame.size();
         all.push_back(std::move(e));
     }
     add_noise(found.noise, "after", &all.back());

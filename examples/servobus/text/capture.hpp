@@ -51,6 +51,7 @@ class frame_explainer {
         std::string text;
         bool is_valid;
         captured frame;
+        std::size_t offset = 0; ///< of the frame in its line, in bytes
     };
     /// The bytes as one frame.
     explained explain(const captured& c);

@@ -19,7 +19,8 @@
 #include <vector>
 
 #include <servobus/explain/explain.hpp>
-#include <servobus/modbus/server.hpp>
+
+#include "frame_sizes.hpp"
 
 namespace tool {
 
@@ -54,8 +55,6 @@ struct found_frames {
 namespace log_line {
 
 using servobus::direction;
-using servobus::modbus::max_frame;
-using servobus::modbus::min_frame;
 
 inline bool is_hex(char c) { return servobus::hex_digit(c) <= 15; }
 inline bool is_letter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); }
@@ -164,50 +163,14 @@ inline std::optional<captured> parse_bytes(std::string_view text) {
     return c;
 }
 
-/// True if a whole frame of `size` bytes begins with `from`.
-inline bool is_whole(servobus::bytes from, std::size_t size) {
-    return size >= min_frame && size <= max_frame && size <= from.size() &&
-           servobus::modbus::crc16(from.first(size)) == 0;
-}
-inline servobus::bytes pdu_of(servobus::bytes from, std::size_t size) { return from.subspan(1, size - 3); }
-
-/// The length that the function of a request gives it; 0 if it has none.
-inline std::size_t request_size(servobus::bytes from) {
-    const std::size_t size = from.size();
-    switch (from[1]) {
-    case 0x01:
-    case 0x02:
-    case 0x05: return 8;
-    case 0x0F: return size > 6 ? from[6] + std::size_t{9} : 0;
-    case 0x11: return 4;
-    case 0x16: return 10;
-    case 0x17: return size > 10 ? from[10] + std::size_t{13} : 0;
-    default: return servobus::modbus::request_length(from);
-    }
-}
-inline std::size_t response_size(servobus::bytes from) {
-    switch (from[1]) {
-    case 0x01:
-    case 0x02:
-    case 0x11:
-    case 0x17: return from[2] + std::size_t{5};
-    case 0x05:
-    case 0x0F: return 8;
-    case 0x16: return 10;
-    default: return servobus::modbus::response_length(from[1], from[2]);
-    }
-}
-
 /// The length of the frame that begins with `from`, of a function with known lengths; 0 if none begins there.
 inline std::size_t size_at(servobus::bytes from, servobus::bytes request) {
     if (from.size() < min_frame) return 0;
-    const bool is_known = servobus::modbus::is_read(from[1]) || servobus::modbus::is_write(from[1]);
     std::size_t asks = request_size(from);
     std::size_t answers = response_size(from);
-    if (!is_whole(from, asks) || (is_known && !servobus::modbus::parse_request(pdu_of(from, asks)))) asks = 0;
-    const bool is_exception = (from[1] & servobus::modbus::exception_flag) != 0;
-    if (!is_whole(from, answers) || from[0] == servobus::modbus::broadcast ||
-        ((is_known || is_exception) && !servobus::modbus::parse_response(pdu_of(from, answers))))
+    if (!is_whole(from, asks) || !servobus::is_request(pdu_of(from, asks))) asks = 0;
+    const bool is_broadcast = from[0] == servobus::modbus::broadcast;
+    if (!is_whole(from, answers) || is_broadcast || !servobus::is_response(pdu_of(from, answers)))
         answers = 0;
     if (asks == 0 || answers == 0) return std::max(asks, answers);
     if (request.size() >= min_frame && from[0] == request[0] && from[1] == request[1]) return answers;
@@ -216,6 +179,19 @@ inline std::size_t size_at(servobus::bytes from, servobus::bytes request) {
     const std::size_t longer = std::max(asks, answers);
     const servobus::bytes more = from.subspan(shorter, longer - shorter);
     return std::all_of(more.begin(), more.end(), [](std::uint8_t b) { return b == 0; }) ? shorter : longer;
+}
+
+/// The same for a function without a known length: its CRC is right, and the bytes end there or another frame follows.
+inline std::size_t unknown_size_at(servobus::bytes from) {
+    if (from.size() < min_frame || from[1] == 0) return 0;
+    if (is_whole(from, from.size())) return from.size();
+    if (request_size(from) != 0 || (from[1] & servobus::modbus::exception_flag) != 0) return 0;
+    for (std::size_t size = min_frame; size < from.size() && size <= max_frame; ++size) {
+        if (!is_whole(from, size)) continue;
+        const servobus::bytes rest = from.subspan(size);
+        if (size_at(rest, {}) != 0 || unknown_size_at(rest) != 0) return size;
+    }
+    return 0;
 }
 
 /// True for bytes that a line gives while no driver is enabled.
@@ -229,8 +205,7 @@ inline found_frames find_frames(servobus::bytes all, servobus::bytes request = {
     servobus::bytes noise = all.first(0);
     while (!all.empty()) {
         std::size_t size = size_at(all, request);
-        // A frame of a function without a known length ends where the line ends, and follows no other noise.
-        if (size == 0 && is_idle_line(noise) && is_whole(all, all.size()) && all[1] != 0) size = all.size();
+        if (size == 0 && is_idle_line(noise)) size = unknown_size_at(all); // which follows no other noise
         if (size == 0) {
             noise = servobus::bytes{noise.data(), noise.size() + 1};
             all = all.subspan(1);

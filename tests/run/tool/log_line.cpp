@@ -114,6 +114,12 @@ TEST_CASE("frames of other functions are found beside each other, by their lengt
         list(hex("01 0F 00 13 00 0A 24 09")),
         list(hex("11 11 CD EC")),
         list(hex("01 83 02 C0 F1")),
+        list(hex("01 2B 0E 01 00 70 77")),
+        list(hex("01 2B 0E 01 01 00 00 01 00 01 41 2F A7")),
+        list(hex("02 07 41 12")),
+        list(hex("02 07 6D 13 DD")),
+        list(hex("01 08 00 00 12 34 ED 7C")),
+        list(hex("01 08 00 00 12 34 ED 7C")),
     };
     frame_bytes all;
     for (const frame_bytes& f : dialogue) {
@@ -155,6 +161,18 @@ TEST_CASE("a frame of a function without a known length ends with the line, afte
     CHECK(find_frames(with({})).frames.size() == 1);
     CHECK(find_frames(with(hex("FF 00"))).frames.size() == 1);
     CHECK(find_frames(with(hex("12 34"))).frames.empty());
+    // Its CRC cuts it where another frame follows, of any function.
+    frame_bytes glued = with({});
+    for (int i = 0; i < 2; ++i) {
+        const frame_bytes again = with({});
+        glued.insert(glued.end(), again.begin(), again.end());
+    }
+    glued.insert(glued.end(), request_bytes.begin(), request_bytes.end());
+    const found_frames found = find_frames(glued);
+    REQUIRE(found.frames.size() == 4);
+    CHECK(found.frames[2].frame == with({}));
+    CHECK(found.frames[3].frame == request_bytes);
+    CHECK(found.left_over() == 0);
 }
 
 } // namespace log_line_tests
