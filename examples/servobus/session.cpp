@@ -4,7 +4,11 @@
 // A drive on an open port: its settings from the command line, and failures in words.
 #include "session.hpp"
 
+#include <array>
 #include <utility>
+
+#include <servobus/client/request_machine.hpp>
+#include <servobus/modbus/functions.hpp>
 
 namespace tool {
 
@@ -123,25 +127,89 @@ void session::forget() {
     wears_.reset();
 }
 
-servobus::status session::read_raw(u16 address, std::span<u16> words) {
-    const servobus::status why =
-        is_tcp_ ? read_over_tcp(address, words) : client_->read_words(address, words);
+servobus::status session::read_raw(u16 address, std::span<u16> words, servobus::table from) {
+    const servobus::status why = read_repeated(address, words, from);
     // Who does not answer may be another drive, or the same one after a power cycle, when it comes back.
     if (why.error() != servobus::errc::ok && why.error() != servobus::errc::exception) forget();
     return why;
 }
 
-servobus::status session::read_over_tcp(u16 address, std::span<u16> words) {
-    for (unsigned tries = 0;; ++tries) {
-        const servobus::status why = client_->read_words(address, words);
-        using enum servobus::errc;
-        if (why.error() == ok || why.error() == exception || why.error() == bad_argument ||
-            why.error() == port_lost)
-            return why;
-        const bool is_connected = port_.reconnect() == ok;
-        if (tries == retries_) return why;
-        if (!is_connected) return {port_lost};
+servobus::status session::read_once(u16 address, std::span<u16> words, servobus::table from) {
+    using servobus::modbus::function;
+    switch (from) {
+    case servobus::table::coils: return read_bits_once(address, words, function::read_coils);
+    case servobus::table::discrete_inputs:
+        return read_bits_once(address, words, function::read_discrete_inputs);
+    case servobus::table::input_registers:
+        return client_->read_words(address, words, function::read_input_registers);
+    case servobus::table::holding_registers: break;
     }
+    return client_->read_words(address, words);
+}
+
+servobus::status session::read_bits_once(u16 address, std::span<u16> bits, servobus::modbus::function code) {
+    namespace modbus = servobus::modbus;
+    std::array<std::uint8_t, 5> request{};
+    if (modbus::put_read_bits_request(request, code, address, static_cast<u16>(bits.size())) == 0)
+        return servobus::errc::bad_argument;
+    std::array<std::uint8_t, modbus::max_pdu> room{};
+    const auto response = servobus::byte_buffer{room}.first(2 + modbus::bytes_of_bits(bits.size()));
+    const servobus::status why = client_->transact(request, response);
+    if (!why) return why;
+    const auto values = modbus::parse_bits_response(*modbus::parse_bits_request(request), response);
+    if (!values) return servobus::status::sent(values.error());
+    for (std::size_t i = 0; i < bits.size(); ++i) bits[i] = (*values)[i] ? 1 : 0;
+    return why;
+}
+
+servobus::status session::read_repeated(u16 address, std::span<u16> words, servobus::table from) {
+    const bool is_bits = from == servobus::table::coils || from == servobus::table::discrete_inputs;
+    const unsigned most = is_tcp_ ? retries_ : is_bits ? node_.read_retries : 0u;
+    for (unsigned tries = 0;; ++tries) {
+        const servobus::status why = read_once(address, words, from);
+        using enum servobus::errc;
+        if (why.error() == ok || why.error() == bad_argument || why.error() == port_lost) return why;
+        if (is_tcp_) {
+            if (why.error() == exception) return why;
+            const bool is_connected = port_.reconnect() == ok;
+            if (tries == most) return why;
+            if (!is_connected) return {port_lost};
+        } else if (tries == most || !servobus::request_machine::is_worth_a_retry(why, node_)) {
+            return why;
+        }
+    }
+}
+
+servobus::status session::write_once(const chosen& what, std::span<const u16> words) {
+    if (what.form.is_bit()) return write_coils(what.address, words);
+    return words.size() == 1 ? client_->write_word(what.address, words[0])
+                             : client_->write_words(what.address, words);
+}
+
+servobus::status session::write_coils(u16 address, std::span<const u16> coils) {
+    namespace modbus = servobus::modbus;
+    std::array<std::uint8_t, modbus::max_pdu> request{};
+    std::size_t size = 0;
+    if (coils.size() == 1) {
+        size = modbus::put_write_coil_request(request, address, coils[0] != 0);
+        // The response repeats the request, so an echo is ruled out first.
+        u16 before = 0;
+        if (!line_->is_echo_ruled_out()) {
+            const servobus::status why = read_raw(address, {&before, 1}, servobus::table::coils);
+            if (!line_->is_echo_ruled_out()) return why.with_sent(false);
+        }
+    } else {
+        std::array<bool, modbus::max_write_bits> values{};
+        for (std::size_t i = 0; i < coils.size(); ++i) values[i] = coils[i] != 0;
+        size = modbus::put_write_coils_request(request, address,
+                                               servobus::slice<const bool>{values.data(), coils.size()});
+    }
+    if (size == 0) return servobus::errc::bad_argument;
+    const servobus::bytes pdu = servobus::bytes{request}.first(size);
+    std::array<std::uint8_t, 5> response{};
+    const servobus::status why = client_->transact(pdu, response);
+    if (!why) return why;
+    return modbus::check_response(pdu, response);
 }
 
 bool session::is_stop(const chosen& what, std::span<const u16> words) const {
@@ -174,7 +242,7 @@ void session::swap_pair(std::span<u16> pair) const {
 }
 
 servobus::status session::read(const chosen& what, std::span<u16> words) {
-    if (what.row == nullptr) return read_raw(what.address, words);
+    if (what.row == nullptr) return read_raw(what.address, words, what.form.table);
     return read({&what.row, 1}, words);
 }
 
@@ -207,8 +275,7 @@ servobus::status session::write(const chosen& what, std::span<const u16> words) 
         const servobus::status why = read_raw(what.address, {&word, 1});
         if (!line_->is_echo_ruled_out()) return why.with_sent(false);
     }
-    const servobus::status w = sent.size() == 1 ? client_->write_word(what.address, sent[0])
-                                                : client_->write_words(what.address, sent);
+    const servobus::status w = write_once(what, sent);
     // What is late must not be carried out any more, but for a stop.
     if (w.outcome() == servobus::outcome::unknown && !is_stop(what, words)) (void)port_.reconnect();
     const auto covers = [&](u16 address) {

@@ -11,6 +11,7 @@
 #include <servobus/client/client.hpp>
 
 #include "os/port.hpp"
+#include "text/raw.hpp"
 #include "tool.hpp"
 
 namespace tool {
@@ -34,8 +35,9 @@ struct target {
 struct chosen {
     std::string name;
     u16 address = 0;
-    u16 words = 1;
+    u16 words = 1;                        ///< or bits
     const servobus::entry* row = nullptr; ///< null: raw
+    raw_form form{};                      ///< of raw: what it is
 };
 
 /// These complain by themselves.
@@ -99,12 +101,18 @@ class session {
     const any_port& port() const { return port_; }
 
   private:
-    servobus::status read_raw(u16 address, std::span<u16> words);
-    /// Over `tcp://`: repeats by itself, over a new connection each time.
-    servobus::status read_over_tcp(u16 address, std::span<u16> words);
+    servobus::status read_raw(u16 address, std::span<u16> words, servobus::table from = holding);
+    servobus::status read_once(u16 address, std::span<u16> words, servobus::table from);
+    servobus::status read_bits_once(u16 address, std::span<u16> bits, servobus::modbus::function code);
+    /// Of bits, and over `tcp://`: repeats by itself, there over a new connection each time.
+    servobus::status read_repeated(u16 address, std::span<u16> words, servobus::table from);
+    servobus::status write_once(const chosen& what, std::span<const u16> words);
+    servobus::status write_coils(u16 address, std::span<const u16> coils);
     bool is_stop(const chosen& what, std::span<const u16> words) const;
     void forget();
     void swap_pair(std::span<u16> pair) const;
+
+    static constexpr servobus::table holding = servobus::table::holding_registers;
 
     const servobus::profile* facts_ = nullptr;
     const device* kind_ = nullptr; ///< null: raw
@@ -114,7 +122,7 @@ class session {
     serial_settings settings_;
     bool has_timeout_ = false; ///< one was given
     bool is_tcp_ = false;
-    std::uint8_t retries_ = 0; ///< of a read over `tcp://`
+    std::uint8_t retries_ = 0; ///< of a read that is not repeated by the client
     servobus::node<any_device> node_;
     std::optional<line_type> line_;
     std::optional<client_type> client_;

@@ -133,6 +133,9 @@ answer word_of(const command& of, std::span<const std::string> before, std::stri
     if (place.starts_with("DEVICE")) return device_names(of);
     if (place.find("FILE") != place.npos) return files();
     if (place.starts_with("REG")) {
+        // Of raw a table, which an address follows.
+        const bool is_raw = before[1].substr(0, before[1].find(':')) == "raw";
+        if (is_raw) return {.kind = "open", .candidates = raw_tables(place.starts_with("REG=VALUE"))};
         return registers(device_of(before[1]), begun, place.starts_with("REG=VALUE"), before.subspan(2));
     }
     return {.candidates = {std::string{place}}};

@@ -22,9 +22,10 @@ void print(const chosen& what, std::span<const u16> words) {
         std::printf("%s=%s\n", what.name.c_str(), value_text(what, words).c_str());
         return;
     }
-    for (std::size_t i = 0; i < words.size(); ++i) {
-        const std::string address = hex_word(static_cast<u16>(what.address + i));
-        std::printf("%s=%s\n", address.c_str(), value_text(what, words.subspan(i, 1)).c_str());
+    const std::size_t width = what.form.width();
+    for (std::size_t i = 0; i < raw_count(what); ++i) {
+        const std::string name = raw_name(what, i);
+        std::printf("%s=%s\n", name.c_str(), value_text(what, words.subspan(i * width, width)).c_str());
     }
 }
 
@@ -73,6 +74,7 @@ servobus::status ask_word_order(session& on, std::span<const job> jobs) {
 std::vector<assignment> assignments_of(std::span<const job> jobs) {
     std::vector<assignment> all;
     for (const job& j : jobs) {
+        if (j.what.form.is_bit()) continue;
         for (std::size_t i = 0; i < j.words.size(); ++i)
             all.push_back({static_cast<u16>(j.what.address + i), j.words[i]});
     }

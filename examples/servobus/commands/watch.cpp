@@ -79,10 +79,11 @@ std::vector<shown_register> shown_registers(std::span<const chosen> wanted, cons
                 {what.name, read.is_read() ? value_text(what, read.words) : '(' + read.why + ')'});
             continue;
         }
-        for (std::size_t i = 0; i < read.words.size(); ++i) {
-            const std::span<const u16> word = std::span{read.words}.subspan(i, 1);
-            round.push_back({hex_word(static_cast<u16>(what.address + i)),
-                             read.is_read() ? value_text(what, word) : '(' + read.why + ')'});
+        const std::size_t width = what.form.width();
+        for (std::size_t i = 0; i < raw_count(what); ++i) {
+            const std::span<const u16> words = std::span{read.words}.subspan(i * width, width);
+            round.push_back(
+                {raw_name(what, i), read.is_read() ? value_text(what, words) : '(' + read.why + ')'});
         }
     }
     return round;

@@ -42,19 +42,16 @@ servobus::unit unit_of(const servobus::entry& e) {
     return has_foreign_scale(e) ? servobus::unit{servobus::measure::count} : e.unit_of_count;
 }
 
-std::string name_of_request(const chosen& what) {
-    if (what.row != nullptr) return what.name;
-    return hex_word(what.address) + (what.words == 1 ? "" : ':' + std::to_string(what.words));
-}
+std::string name_of_request(const chosen& what) { return what.row != nullptr ? what.name : raw_name(what); }
 
 } // namespace
 
 void columns::add(const chosen& what, std::size_t place) {
     registers_.push_back(name_of_request(what));
     if (what.row == nullptr) {
-        for (std::size_t i = 0; i < what.words; ++i)
+        for (std::size_t i = 0; i < raw_count(what); ++i)
             columns_.push_back(
-                {.name = hex_word(static_cast<u16>(what.address + i)), .of = place, .word = i});
+                {.name = raw_name(what, i), .form = what.form, .of = place, .word = i * what.form.width()});
         return;
     }
     const bool is_number = what.row->names != servobus::naming::names;
@@ -89,7 +86,7 @@ std::optional<columns> columns::of(std::span<const chosen> wanted) {
 
 std::string columns::number_text(const column& c, const reading& r) {
     const std::span<const u16> words = std::span{r.words}.subspan(c.word);
-    if (c.row == nullptr) return std::to_string(words[0]);
+    if (c.row == nullptr) return raw_number(c.form, words);
     const servobus::entry& e = *c.row;
     std::int64_t count = 0;
     if (c.which == part::whole) {
@@ -144,7 +141,9 @@ std::string columns::json_line(const snapshot& s) const {
     const char* between = "";
     for (const column& c : columns_) {
         const reading& r = s.readings[c.of];
-        line += between + json_string(c.name) + ":{\"value\":" + (r.is_read() ? number_text(c, r) : "null");
+        const std::string number = r.is_read() ? number_text(c, r) : "null";
+        const bool is_number = number.find('n') == number.npos; // a float may be nan
+        line += between + json_string(c.name) + ":{\"value\":" + (is_number ? number : "null");
         if (!c.unit.empty()) line += ",\"unit\":" + json_string(c.unit);
         if (c.row != nullptr && c.row->names == servobus::naming::names)
             line += ",\"text\":" + (r.is_read() ? json_string(name_text(c, r)) : "null");

@@ -36,10 +36,11 @@ class columns {
 
     struct column {
         std::string name;
-        std::string unit{}; ///< empty: none
-        const servobus::entry* row = nullptr;
-        std::size_t of = 0;   ///< the register's place on the command line
-        std::size_t word = 0; ///< the place of its first word in the reading
+        std::string unit{};                   ///< empty: none
+        const servobus::entry* row = nullptr; ///< null: raw
+        raw_form form{};                      ///< of raw
+        std::size_t of = 0;                   ///< the register's place on the command line
+        std::size_t word = 0;                 ///< the place of its first word in the reading
         part which = part::whole;
     };
 

@@ -28,7 +28,13 @@ std::span<const topic> topics() {
          "itself is not to be used."},
         {"REG",
          "a name from the map or an address, 0x2088; of a c630s also a parameter number, P0B-17. For raw: "
-         "ADDRESS or ADDRESS:COUNT."},
+         "ADDRESS or ADDRESS:COUNT, of holding registers.\n\nIn full [TABLE:]ADDRESS[:COUNT][:TYPE][:hi|lo], "
+         "also "
+         "for raw: TABLE is coil, discrete (a discrete input), input (an input register) or holding; TYPE is "
+         "u16, "
+         "i16, u32, i32 or f32, of which COUNT are read; a value of 32 bits has its high word first (hi), or "
+         "its low "
+         "word (lo): coil:12 input:0x30:4 holding:0x10:f32:lo."},
         {"VALUE",
          "in the register's unit, exactly: left_max_current=12.5 is 12.5 A. What the register cannot hold "
          "is refused and nothing is sent. A code by its name, with _ for a blank, or by its number: "
@@ -36,7 +42,9 @@ std::span<const topic> topics() {
          "content as it is, also for a signed one: 0xFF9C is -100. Where another register sets the scale "
          "(left_target_speed) VALUE is a whole number of counts.\n\nWhat a zlac8015d does with "
          "host_timeout=0 is not documented: only raw 0x2000=0 writes it, and restore does not. For raw: a "
-         "whole number, or COUNT of them with commas, which are one frame."},
+         "whole number, or COUNT of them with commas, which are one frame; for f32 a decimal number, to the "
+         "nearest "
+         "that it has; for a coil on or off."},
     };
     return all;
 }

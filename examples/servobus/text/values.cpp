@@ -28,20 +28,6 @@ bool is_number(std::string_view text) {
     return !text.empty() && text[0] >= '0' && text[0] <= '9';
 }
 
-std::optional<chosen> parse_raw_register(std::string_view text) {
-    const std::size_t colon = text.find(':');
-    const std::optional<std::int64_t> address = parse_integer(text.substr(0, colon));
-    const std::optional<std::int64_t> count =
-        colon == text.npos ? std::int64_t{1} : parse_integer(text.substr(colon + 1));
-    if (!address || *address < 0 || *address > 0xFFFF || !count || *count < 1 || *count > 125 ||
-        *address + *count > 0x1'0000) {
-        complain(usage, "'" + std::string{text} +
-                            "' is no ADDRESS or ADDRESS:COUNT (0x0000 to 0xFFFF, at most 125)");
-        return std::nullopt;
-    }
-    return chosen{std::string{text}, static_cast<u16>(*address), static_cast<u16>(*count), nullptr};
-}
-
 // One name of a code or bit, blanks written as _.
 bool has_name(const servobus::named_value& v, std::string_view name) {
     const std::string_view own = v.name;
@@ -142,26 +128,6 @@ reading_error parse_quantity(const entry& e, std::string_view text, std::int64_t
     return reading_error::none;
 }
 
-std::optional<std::vector<u16>> parse_raw_words(const chosen& what, std::string_view text) {
-    std::vector<u16> words;
-    const std::string shown{text};
-    while (true) {
-        const std::size_t comma = text.find(',');
-        const std::optional<std::int64_t> word = parse_integer(text.substr(0, comma));
-        if (!word || *word < -0x8000 || *word > 0xFFFF) {
-            complain(usage, what.name + ": '" + shown + "' is no 16-bit number, or several with commas");
-            return std::nullopt;
-        }
-        words.push_back(static_cast<u16>(*word & 0xFFFF));
-        if (comma == text.npos) break;
-        text.remove_prefix(comma + 1);
-    }
-    if (words.size() == what.words && words.size() <= 123) return words;
-    complain(usage, what.name + ": " + std::to_string(words.size()) + " values for " +
-                        std::to_string(what.words) + " registers (at most 123)");
-    return std::nullopt;
-}
-
 } // namespace
 
 std::vector<std::string> names_of(const entry& e) {
@@ -219,7 +185,7 @@ std::vector<chosen> parse_readable(const target& of, const arguments& asked) {
 }
 
 std::string value_text(const chosen& what, std::span<const u16> words) {
-    if (what.row == nullptr) return std::to_string(words[0]) + " (" + hex_word(words[0]) + ")";
+    if (what.row == nullptr) return raw_text(what.form, words);
     char room[512];
     servobus::text_writer text{room};
     const u32 bits = words.size() == 2 ? servobus::join_words(words[0], words[1], high_first) : u32{words[0]};
@@ -234,7 +200,7 @@ std::string undocumented_zero(const entry& e) {
 }
 
 std::optional<std::vector<u16>> parse_value(const chosen& what, std::string_view text) {
-    if (what.row == nullptr) return parse_raw_words(what, text);
+    if (what.row == nullptr) return parse_raw_values(what, text);
     const entry& e = *what.row;
     const std::string shown{text};
     const auto refuse = [&](const std::string& why) {
