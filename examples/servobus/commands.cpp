@@ -17,6 +17,11 @@ constexpr option line_options[] = {
     {"format", "8N1", "8N1, 8N2, 8E1 or 8O1", character_formats},
     {"timeout", "MS", "how long a response may take to begin"},
     {"retries", "N", "how often a read is repeated; a write never is"},
+    {"gap", "MS", "the pause before each request, if the drive needs one longer than 3.5 characters"},
+    {"quarantine", "MS",
+     "the pause after a request without exactly one valid response, in which a late response is dropped; if "
+     "not given, the drive's own, but at least --timeout"},
+    {"inter-byte", "MS", "the longest pause inside a response (default 20; 200 over a network)"},
     {"echo", "on|off", "on: the adapter receives what it sends, and what it receives is compared"},
 };
 constexpr option_group of_line{"Options of the line", "The drive's own settings if they are not given.",
@@ -77,6 +82,7 @@ constexpr option listen_options[] = {
     {"format", "8N1", "8N1, 8N2, 8E1 or 8O1", character_formats},
     {"timeout", "MS", "how long a response may take to begin; after that the request has none"},
     {"count", "N", "ends after N frames"},
+    {"inter-byte", "MS", "the longest pause inside a frame (default 20; 200 over a network)"},
     {"log", "FILE",
      "appends the frames to FILE in the form that explain reads; times and what is wrong are comments"},
 };

@@ -93,7 +93,8 @@ int session::check(const arguments& asked, const target& of) {
     settings_.baud = static_cast<std::uint32_t>(*baud);
     node_.limits.response = servobus::milliseconds(static_cast<std::uint32_t>(*timeout));
     has_timeout_ = asked.has("timeout");
-    node_.read_retries = static_cast<std::uint8_t>(*retries);
+    retries_ = static_cast<std::uint8_t>(*retries);
+    if (!parse_longest_pause(asked, longest_pause_) || !check_gaps(asked)) return usage;
 
     if (const char* format = asked.text("format")) {
         const std::optional<servobus::character_format> parsed = parse_format(format);
@@ -107,16 +108,39 @@ int session::check(const arguments& asked, const target& of) {
     return done;
 }
 
+// A late response must be dropped within the quarantine. Who gives a longer timeout has a slower drive, which may be
+// late by as much; a shorter timeout does not make the drive any faster.
+bool session::check_gaps(const arguments& asked) {
+    const auto gap = asked.number("gap", 0, 60'000, facts_->gap.us / 1000);
+    const auto quarantine = asked.number("quarantine", 0, 60'000, facts_->quarantine.us / 1000);
+    if (!gap || !quarantine) return false;
+    if (asked.has("gap")) node_.gaps.gap = servobus::milliseconds(static_cast<std::uint32_t>(*gap));
+    has_quarantine_ = asked.has("quarantine");
+    if (has_quarantine_) {
+        node_.gaps.quarantine = servobus::milliseconds(static_cast<std::uint32_t>(*quarantine));
+    }
+    later_quarantine_ = node_.gaps.quarantine;
+    if (!has_quarantine_ && has_timeout_) {
+        const servobus::duration wait = node_.limits.response;
+        const servobus::duration usual = facts_->limits.response + facts_->quarantine;
+        later_quarantine_ = longer_of(later_quarantine_, wait);
+        if (wait < usual) later_quarantine_ = longer_of(later_quarantine_, usual - wait);
+    }
+    return true;
+}
+
 int session::open(const char* path) {
     if (const int status = port_.open(path, settings_); status != done) return status;
     if (any_port::is_network(path)) {
         node_.limits.has_gateway = true;
         if (!has_timeout_) node_.limits.response = node_.limits.response + network_delay;
-        node_.gaps.quarantine = node_.gaps.quarantine + network_delay;
+        // No response can come late there: its connection is dropped, or it has the number of its request.
+        if (!has_quarantine_) node_.gaps.quarantine = node_.gaps.quarantine + network_delay;
+        later_quarantine_ = node_.gaps.quarantine;
     }
     is_tcp_ = any_port::is_tcp(path);
-    if (is_tcp_) retries_ = std::exchange(node_.read_retries, std::uint8_t{0});
-    line_.emplace(port_, timing_on(path, settings_.baud));
+    node_.read_retries = 0; // `read_repeated` has them
+    line_.emplace(port_, timing_on(path, settings_.baud, longest_pause_));
     line_->echo().is_on = settings_.keeps_echo;
     client_.emplace(*line_, node_);
     return done;
@@ -163,27 +187,34 @@ servobus::status session::read_bits_once(u16 address, std::span<u16> bits, servo
 }
 
 servobus::status session::read_repeated(u16 address, std::span<u16> words, servobus::table from) {
-    const bool is_bits = from == servobus::table::coils || from == servobus::table::discrete_inputs;
-    const unsigned most = is_tcp_ ? retries_ : is_bits ? node_.read_retries : 0u;
     for (unsigned tries = 0;; ++tries) {
         const servobus::status why = read_once(address, words, from);
+        note_request();
         using enum servobus::errc;
         if (why.error() == ok || why.error() == bad_argument || why.error() == port_lost) return why;
         if (is_tcp_) {
             if (why.error() == exception) return why;
             const bool is_connected = port_.reconnect() == ok;
-            if (tries == most) return why;
+            if (tries == retries_) return why;
             if (!is_connected) return {port_lost};
-        } else if (tries == most || !servobus::request_machine::is_worth_a_retry(why, node_)) {
+        } else if (tries == retries_ || !servobus::request_machine::is_worth_a_retry(why, node_)) {
             return why;
         }
     }
 }
 
+// The first request after a start waits for the drive's own quarantine, which is the shortest that another program's
+// request may need.
+void session::note_request() { client_->node().gaps.quarantine = later_quarantine_; }
+
 servobus::status session::write_once(const chosen& what, std::span<const u16> words) {
     if (what.form.is_bit()) return write_coils(what.address, words);
-    return words.size() == 1 ? client_->write_word(what.address, words[0])
-                             : client_->write_words(what.address, words);
+    client_->node().read_retries = retries_; // the reads that rule out an echo
+    const servobus::status w = words.size() == 1 ? client_->write_word(what.address, words[0])
+                                                 : client_->write_words(what.address, words);
+    client_->node().read_retries = 0;
+    note_request();
+    return w;
 }
 
 servobus::status session::write_coils(u16 address, std::span<const u16> coils) {

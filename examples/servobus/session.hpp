@@ -104,8 +104,10 @@ class session {
     servobus::status read_raw(u16 address, std::span<u16> words, servobus::table from = holding);
     servobus::status read_once(u16 address, std::span<u16> words, servobus::table from);
     servobus::status read_bits_once(u16 address, std::span<u16> bits, servobus::modbus::function code);
-    /// Of bits, and over `tcp://`: repeats by itself, there over a new connection each time.
+    /// Over `tcp://` over a new connection each time.
     servobus::status read_repeated(u16 address, std::span<u16> words, servobus::table from);
+    bool check_gaps(const arguments& asked);
+    void note_request();
     servobus::status write_once(const chosen& what, std::span<const u16> words);
     servobus::status write_coils(u16 address, std::span<const u16> coils);
     bool is_stop(const chosen& what, std::span<const u16> words) const;
@@ -122,7 +124,10 @@ class session {
     serial_settings settings_;
     bool has_timeout_ = false; ///< one was given
     bool is_tcp_ = false;
-    std::uint8_t retries_ = 0; ///< of a read that is not repeated by the client
+    bool has_quarantine_ = false;
+    servobus::duration later_quarantine_{}; ///< after the first request
+    std::optional<servobus::duration> longest_pause_{};
+    std::uint8_t retries_ = 0; ///< of a read
     servobus::node<any_device> node_;
     std::optional<line_type> line_;
     std::optional<client_type> client_;

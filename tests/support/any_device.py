@@ -40,10 +40,13 @@ class Device:
         self.holding = [0] * 256
         self.input_registers = [0x1000 + i for i in range(256)]
         self.requests: list[bytes] = []  # the PDUs that came
+        self.began: list[float] = []  # when each of them had come
         self.delays: list[float] = []  # s, before the next responses
+        self.pause = 0.0  # s, inside each response on a terminal
 
     def response_to(self, pdu: bytes) -> bytes:
         self.requests.append(pdu)
+        self.began.append(time.monotonic())
         code = pdu[0]
         tables = {1: self.coils, 2: self.inputs, 3: self.holding, 4: self.input_registers}
         if code in tables:
@@ -105,7 +108,12 @@ def on_terminal(device: Device, node: int = 1, echoes: bool = False):
                 frame, begun = begun[:size], begun[size:]
                 if crc(frame[:-2]) == frame[-2:] and frame[0] == node:
                     response = bytes([node]) + device.answer(frame[1:-2])
-                    os.write(ours, response + crc(response))
+                    response += crc(response)
+                    if device.pause:
+                        os.write(ours, response[:3])
+                        response = response[3:]
+                        time.sleep(device.pause)
+                    os.write(ours, response)
 
     thread = threading.Thread(target=serve, daemon=True)
     thread.start()

@@ -246,7 +246,8 @@ int listen(const arguments& asked) {
     const auto baud = asked.number("baud", 600, 4'000'000, facts.baud);
     const auto timeout = asked.number("timeout", 1, 60'000, limit);
     const auto count = asked.number("count", 1, INT32_MAX, 0);
-    if (!baud || !timeout || !count) return usage;
+    std::optional<servobus::duration> longest_pause;
+    if (!baud || !timeout || !count || !parse_longest_pause(asked, longest_pause)) return usage;
     serial_settings settings{};
     settings.baud = static_cast<std::uint32_t>(*baud);
     settings.format = facts.format;
@@ -268,7 +269,7 @@ int listen(const arguments& asked) {
     report out{*devices, log ? &*log : nullptr};
     int status = out.begin(name + ' ' + joined(std::span{asked.words()}.subspan(1)));
     if (status != done) return status;
-    const moment gap = timing_on(name, settings.baud).visible_gap().us;
+    const moment gap = timing_on(name, settings.baud, longest_pause).visible_gap().us;
     listener ears{gap, static_cast<moment>(*timeout) * 1000, out};
     ears.stop_after(*count);
     status = run(port, ears);

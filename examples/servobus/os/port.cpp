@@ -221,11 +221,20 @@ void any_port::wait(servobus::duration d) {
     std::visit([&](auto& p) { p.wait(d); }, port_);
 }
 
-servobus::modbus::rtu_timing timing_on(std::string_view name, std::uint32_t baud) {
+servobus::modbus::rtu_timing timing_on(std::string_view name, std::uint32_t baud,
+                                       std::optional<servobus::duration> longest_pause) {
     using servobus::modbus::timing_at;
-    constexpr servobus::duration longest_pause = servobus::milliseconds(200);
-    if (!any_port::is_network(name)) return timing_at(baud);
-    return timing_at(baud, servobus::modbus::timing_mode::host, longest_pause);
+    constexpr servobus::duration of_network = servobus::milliseconds(200);
+    if (!longest_pause && any_port::is_network(name)) longest_pause = of_network;
+    if (!longest_pause) return timing_at(baud);
+    return timing_at(baud, servobus::modbus::timing_mode::host, *longest_pause);
+}
+
+bool parse_longest_pause(const arguments& asked, std::optional<servobus::duration>& longest_pause) {
+    if (!asked.has("inter-byte")) return true;
+    const auto ms = asked.number("inter-byte", 0, 10'000, 0);
+    if (ms) longest_pause = servobus::milliseconds(static_cast<std::uint32_t>(*ms));
+    return ms.has_value();
 }
 
 } // namespace tool
