@@ -151,8 +151,10 @@ constexpr command table[] = {
     {.name = "watch",
      .words = "PORT DEVICE[:NODE] REG...",
      .summary = "registers, again and again",
-     .about = "A live table on a terminal and one line a round elsewhere. Its requests feed the watchdog "
-              "of a drive: motors may run on though their controller is dead.",
+     .about =
+         "A live table on a terminal and one line a round elsewhere. A port that is lost is opened anew as "
+         "soon as it is back, and each round until then says so. Its requests feed the watchdog "
+         "of a drive: motors may run on though their controller is dead.",
      .options = watch_options,
      .shared = line_and_records,
      .run = watch,

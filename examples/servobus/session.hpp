@@ -100,6 +100,14 @@ class session {
     servobus::status ask_wear(bool& wears);
     const any_port& port() const { return port_; }
 
+    /// From now on a port that was lost is opened anew, and what cannot have been sent leaves then: a call waits for it
+    /// for `patience`. Says so on standard error.
+    void wait_for_port(servobus::duration patience) { patience_ = patience; }
+    /// False if a port that was lost is not expected to return.
+    bool may_return() const;
+    /// False if the port is lost, and has not returned within the patience.
+    bool has_port();
+
   private:
     servobus::status read_raw(u16 address, std::span<u16> words, servobus::table from = holding);
     servobus::status read_once(u16 address, std::span<u16> words, servobus::table from);
@@ -107,7 +115,8 @@ class session {
     /// Over `tcp://` over a new connection each time.
     servobus::status read_repeated(u16 address, std::span<u16> words, servobus::table from);
     bool check_gaps(const arguments& asked);
-    void note_request();
+    void note_request(servobus::status why);
+    servobus::status write_now(const chosen& what, std::span<const u16> words);
     servobus::status write_once(const chosen& what, std::span<const u16> words);
     servobus::status write_coils(u16 address, std::span<const u16> coils);
     bool is_stop(const chosen& what, std::span<const u16> words) const;
@@ -121,6 +130,7 @@ class session {
     servobus::word_order word_order_ = servobus::word_order::unknown;
     std::optional<bool> wears_;
     any_port port_;
+    std::string name_{}; ///< of the port
     serial_settings settings_;
     bool has_timeout_ = false; ///< one was given
     bool is_tcp_ = false;
@@ -128,6 +138,12 @@ class session {
     servobus::duration later_quarantine_{}; ///< after the first request
     std::optional<servobus::duration> longest_pause_{};
     std::uint8_t retries_ = 0; ///< of a read
+    std::optional<servobus::duration> patience_{};
+    unsigned connections_ = 0; ///< of the port, when the word order was learned
+    bool has_worked_ = false;  ///< the drive has responded
+    bool is_lost_ = false;
+    bool is_said_lost_ = false;
+    bool is_said_reopened_ = false;
     servobus::node<any_device> node_;
     std::optional<line_type> line_;
     std::optional<client_type> client_;

@@ -31,6 +31,8 @@ inline constexpr int usage = 2;  // bad input; nothing was sent
 int complain(int status, const std::string& message);
 /// As above, for a note or a warning.
 void note(const std::string& message);
+/// How many complaints and notes were written.
+std::size_t note_count();
 
 std::string hex_word(u16 word);
 /// A whole number, decimal or 0x…; nothing else may stand around it.

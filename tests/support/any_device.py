@@ -127,12 +127,19 @@ def on_terminal(device: Device, node: int = 1, echoes: bool = False):
 
 
 class Gateway:
-    """The device behind a port of TCP. It closes each connection after so many responses; 0: never by itself."""
+    """The device behind a port of TCP.
 
-    def __init__(self, device: Device, scheme: str, *, closes_after: int = 0, port: int = 0):
-        self.device, self.scheme, self.closes_after = device, scheme, closes_after
+    It closes each connection after so many responses (0: never by itself), ends after it has served so many, and closes
+    a connection in place of the response to write number `drops`.
+    """
+
+    def __init__(self, device: Device, scheme: str, *, closes_after=0, serves=0, drops=0, port=0):
+        self.device, self.scheme = device, scheme
+        self.closes_after, self.serves, self.drops = closes_after, serves, drops
         self.connections = 0
         self.server = socket.create_server(("127.0.0.1", port))
+        self.number = self.server.getsockname()[1]
+        self.name = f"{scheme}://127.0.0.1:{self.number}"
         self.server.settimeout(0.05)
         self.stopped = threading.Event()
         self.thread = threading.Thread(target=self.serve, daemon=True)
@@ -144,18 +151,9 @@ class Gateway:
     def __exit__(self, *_):
         self.stop()
 
-    @property
-    def number(self) -> int:
-        return self.server.getsockname()[1]
-
-    @property
-    def name(self) -> str:
-        return f"{self.scheme}://127.0.0.1:{self.number}"
-
     def stop(self):
         self.stopped.set()
         self.thread.join()
-        self.server.close()
 
     def serve(self):
         while not self.stopped.is_set():
@@ -167,6 +165,9 @@ class Gateway:
             with connection:
                 connection.settimeout(0.05)
                 self.talk(connection)
+            if self.connections == self.serves:
+                break
+        self.server.close()
 
     def receive(self, connection, size: int) -> bytes:
         data = b""
@@ -180,22 +181,29 @@ class Gateway:
             data += more
         return data
 
+    def answer(self, pdu: bytes) -> bytes:
+        response = self.device.answer(pdu)
+        if len([sent for sent in self.device.requests if sent[0] > 4]) == self.drops != 0:
+            raise ConnectionError
+        return response
+
     def talk(self, connection):
         responses = 0
         while not self.stopped.is_set():
             try:
                 if self.scheme == "mbap":
                     head = self.receive(connection, 7)
-                    if len(head) < 7:
+                    pdu = self.receive(connection, int.from_bytes(head[4:6], "big") - 1)
+                    if not pdu:
                         return
-                    answer = self.device.answer(self.receive(connection, int.from_bytes(head[4:6], "big") - 1))
+                    answer = self.answer(pdu)
                     connection.sendall(head[:4] + (len(answer) + 1).to_bytes(2, "big") + head[6:7] + answer)
                 else:
                     frame = self.receive(connection, 8)
                     frame += self.receive(connection, size_of_request(frame) - 8)
                     if len(frame) < 8:
                         return
-                    answer = frame[:1] + self.device.answer(frame[1:-2])
+                    answer = frame[:1] + self.answer(frame[1:-2])
                     connection.sendall(answer + crc(answer))
             except OSError:
                 return

@@ -219,12 +219,15 @@ def lost_port(tool: Recording):
         watcher = tool.start("watch drive zlac8015d bus_voltage left_max_current --csv --interval 10")
         tool.check("rows come", until(lambda: watcher.out), watcher.err)
         drive.stop()
-        tool.ends(watcher)
-        tool.status_is("a lost port ends watch", 1)
+        gone = r"left_max_current: the port is gone[^,]*,[0-9]*,nan,nan\n"
+        tool.check("a lost port is a row with an error each round",
+                   until(lambda: len(re.findall(gone, watcher.out)) > 1), watcher.out[-2000:])
+        tool.ends(watcher, signal.SIGINT)
+        tool.status_is("a port that is still gone at Ctrl-C is status 1", 1)
         tool.err_has("which says so", "the port is gone")
         last = re.search(r"left_max_current: [^,]+,[0-9]*,[^,]*,nan\n$", tool.last.out)
-        tool.check("after the row that has it", last)
-        tool.judged("all rows are whole, so is that one", must_be_csv, tool.last.out, 1, or_more=True)
+        tool.check("after the rows that have it", last)
+        tool.judged("all rows are whole, so are those", must_be_csv, tool.last.out, 1, or_more=True)
 
 
 # --log

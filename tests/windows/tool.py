@@ -168,7 +168,8 @@ def endings():
     watcher = watch("COM13")
     until(lambda: "bus_voltage" in text_of(folder / "watched"), watcher, "watch goes on")
     end(pulled)
-    same("the tool: a port that is pulled ends watch with status 1", 1, watcher.wait())
+    until(lambda: "is gone: " in text_of(folder / "watched.err"), watcher, "watch goes on")
+    same("the tool: Ctrl-C while the port is gone ends watch with status 1", 1, end(watcher, signal.SIGINT))
     check("the tool: and it says so", expect, re.search(r"^servobus: the port is gone[^\n]*\n\Z",
                                                        text_of(folder / "watched.err"), re.M),
           text_of(folder / "watched.err"))

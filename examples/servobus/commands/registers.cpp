@@ -12,6 +12,8 @@
 namespace tool {
 namespace {
 
+constexpr servobus::duration patience = servobus::milliseconds(2000); // with a port that is lost
+
 struct job {
     chosen what;
     std::vector<u16> words;
@@ -116,6 +118,7 @@ int read(const arguments& asked) {
     recorder records;
     if (const int status = records.prepare(asked, wanted); status != done) return status;
     if (const int status = on.open(asked.words()[0].c_str()); status != done) return status;
+    on.wait_for_port(patience);
     return read_all(on, *of, wanted, records);
 }
 
@@ -139,6 +142,7 @@ int write(const arguments& asked) {
     if (const int status = on.check(asked, *of); status != done) return status;
     if (const int status = on.open(asked.words()[0].c_str()); status != done) return status;
     if (const int status = warn_and_ask(asked, *of, jobs); status != done) return status;
+    on.wait_for_port(patience);
     if (const servobus::status why = ask_word_order(on, jobs); why.error() != servobus::errc::ok) {
         return complain(failed, "word order, " + of->kind->display_name(of->facts().word_order_register) +
                                     ": " + why_text(*of, why, on) + "; nothing was written");

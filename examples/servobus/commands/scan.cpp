@@ -109,6 +109,7 @@ int scan_at(const char* path, std::uint32_t baud, const std::string& format, pla
     settings.format = *parse_format(format);
     settings.keeps_echo = p.echoes;
     if (const int status = port.open(path, settings); status != done) return status;
+    port.keep_connected();
     if (port.ignores_rate() && p.rates.size() * p.formats.size() > 1) {
         note(std::string{path} + " is a pseudo-terminal, which has no rate and no format: scanning once");
         p.rates.resize(1);

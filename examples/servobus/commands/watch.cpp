@@ -4,6 +4,7 @@
 // servobus watch: registers again and again, as a live table on a terminal and one line a round elsewhere, or
 // as records for programs.
 #include <cstdio>
+#include <utility>
 
 #include "../os/interrupts.hpp"
 #include "../os/os.hpp"
@@ -35,6 +36,8 @@ class display {
 
     /// False if it cannot.
     [[nodiscard]] bool show(const std::vector<shown_register>& round, std::uint64_t ms) {
+        // Below a note the table begins anew.
+        if (std::exchange(notes_, note_count()) != note_count()) rows_ = 0;
         if (is_table_) {
             table(round);
         } else {
@@ -65,6 +68,7 @@ class display {
 
     bool is_table_;
     std::size_t rows_ = 0;
+    std::size_t notes_ = 0;
 };
 
 // A round for people: a register each, or a word each of those without a map.
@@ -110,12 +114,14 @@ int watch(const arguments& asked) {
     note("warning: these requests feed the drive's watchdog; motors may run on though their controller is "
          "dead");
     interrupts::arm();
+    on.wait_for_port({}); // each round looks whether it is back
     display screen{os::is_terminal(stdout)};
     const auto pause = servobus::milliseconds(static_cast<std::uint32_t>(*interval));
     servobus::instant due = native::monotonic_now();
     servobus::instant last = due;
     std::uint64_t us = 0;
     bool answered = false;
+    bool has_port = true;
     std::string why;
     for (std::int64_t round = 0; !interrupts::came() && (*count == 0 || round < *count); ++round) {
         wait_until(due);
@@ -130,8 +136,10 @@ int watch(const arguments& asked) {
         if (const int status = records.put(*taken); status != done) return status;
         if (records.has_display() && !screen.show(shown_registers(wanted, *taken), us / 1000)) return failed;
         why = taken->readings.back().why;
-        if (!taken->has_port()) return complain(failed, why);
+        has_port = taken->has_port();
+        if (!has_port && !on.may_return()) return complain(failed, why);
     }
+    if (!has_port) return complain(failed, why);
     if (answered || interrupts::came()) return done;
     const std::string no_response = servobus::text(servobus::errc::timeout);
     return complain(failed, no_response + " in any round" + (why == no_response ? "" : ": " + why));

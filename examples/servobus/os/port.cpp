@@ -119,6 +119,8 @@ servobus::transfer recorded_tcp::receive(servobus::byte_buffer in) {
 
 int any_port::open(const char* name, const serial_settings& settings) {
     removes_echo_ = settings.keeps_echo;
+    name_ = name;
+    settings_ = settings;
     if (!is_network(name)) return open_serial(port_.emplace<native::serial>(), name, settings);
     const bool has_mbap = is_mbap(name);
     const std::optional<endpoint> at = parse_endpoint(name, has_mbap ? "502" : "");
@@ -136,14 +138,32 @@ int any_port::open(const char* name, const serial_settings& settings) {
 }
 
 servobus::errc any_port::reconnect() {
+    if (!is_network()) return errc::ok;
+    ++connections_;
+    is_fresh_ = true;
+    left_to_send_ = 0;
     if (auto* modbus_tcp = std::get_if<mbap>(&port_)) {
         modbus_tcp->stream().abort();
         return modbus_tcp->open(host_.c_str(), service_.c_str());
     }
-    auto* tcp = std::get_if<native::tcp>(&port_);
-    if (tcp == nullptr) return errc::ok;
-    tcp->abort();
-    return tcp->open(host_.c_str(), service_.c_str());
+    auto& tcp = std::get<native::tcp>(port_);
+    tcp.abort();
+    return tcp.open(host_.c_str(), service_.c_str());
+}
+
+servobus::errc any_port::reopen() {
+    return is_network() ? reconnect() : std::get<native::serial>(port_).open(name_.c_str(), settings_);
+}
+
+bool any_port::is_foreign() const {
+    const auto* modbus_tcp = std::get_if<mbap>(&port_);
+    return modbus_tcp != nullptr && modbus_tcp->is_foreign();
+}
+
+// True if the response to the last request has come.
+bool any_port::is_answered() const {
+    return !request_.empty() && !response_.empty() && response_[0] == request_[0] &&
+           bool{servobus::modbus::open_frame(response_)};
 }
 
 int any_port::os_error() const {
@@ -201,6 +221,8 @@ servobus::transfer any_port::send(servobus::bytes out) {
     if (left_to_send_ == 0 || left_to_send_ != out.size()) {
         request_.assign(out.begin(), out.end());
         came_.clear();
+        response_.clear();
+        is_fresh_ = false;
         if (auto* modbus_tcp = std::get_if<mbap>(&port_)) modbus_tcp->stream().came.clear();
     }
     left_to_send_ = out.size() - *took;
@@ -210,8 +232,22 @@ bool any_port::sent() {
     return std::visit([](auto& p) { return p.sent(); }, port_);
 }
 servobus::transfer any_port::receive(servobus::byte_buffer in) {
+    const servobus::transfer t = receive_now(in);
+    const bool is_closed = !t && t.error() == errc::port_lost && !is_foreign();
+    // With a request under way its response is lost, and with a peer that has never responded something else is wrong.
+    const bool is_idle = has_answered_ && (is_fresh_ || is_answered());
+    if (!is_closed || !keeps_connected_ || !is_network() || !is_idle) return t;
+    if (reconnect() != errc::ok) return t;
+    if (!is_said_anew_) note(name_ + " closes its connections; each is made anew");
+    is_said_anew_ = true;
+    return std::uint16_t{0};
+}
+servobus::transfer any_port::receive_now(servobus::byte_buffer in) {
     const servobus::transfer t = std::visit([&](auto& p) { return p.receive(in); }, port_);
-    if (t && !std::holds_alternative<mbap>(port_)) keep(came_, in, *t);
+    if (!t) return t;
+    keep(response_, in, *t);
+    has_answered_ = has_answered_ || (*t != 0 && is_answered());
+    if (!std::holds_alternative<mbap>(port_)) keep(came_, in, *t);
     return t;
 }
 servobus::instant any_port::now() const {

@@ -40,6 +40,17 @@ class any_port {
     /// Returns `done`, or the exit status after a complaint: `usage` for a name that is no address.
     int open(const char* name, const serial_settings& settings);
 
+    /// Opens the port of the last `open` again, without a complaint.
+    servobus::errc reopen();
+    /// In the network: from now on a connection that the peer has closed while no request was under way is made anew as
+    /// it is found. Says so on standard error, once.
+    void keep_connected() { keeps_connected_ = true; }
+    /// How often a connection was made.
+    unsigned connections() const { return connections_; }
+    bool is_network() const { return !host_.empty(); }
+    /// True if the port was lost since what came is no Modbus TCP.
+    bool is_foreign() const;
+
     /// In the network: drops the connection with what has not left, and connects anew. A connection loses nothing, so
     /// a request that is late would still be carried out, and over `tcp://` its response be taken for the next one.
     servobus::errc reconnect();
@@ -65,10 +76,20 @@ class any_port {
 
     std::string echo_diagnosis(servobus::status why) const;
     servobus::bytes came() const;
+    servobus::transfer receive_now(servobus::byte_buffer in);
+    bool is_answered() const;
 
     std::variant<native::serial, native::tcp, mbap> port_{};
     std::string host_{};
     std::string service_{};
+    std::string name_{};
+    serial_settings settings_{};
+    bool keeps_connected_ = false;
+    bool is_said_anew_ = false;
+    bool is_fresh_ = false;     ///< no request has left on this connection
+    bool has_answered_ = false; ///< there was a response
+    unsigned connections_ = 0;
+    std::vector<std::uint8_t> response_{}; ///< what the line has got since the request began to leave
     bool removes_echo_ = false;
     std::size_t left_to_send_ = 0; ///< of the request that is leaving
     std::vector<std::uint8_t> request_{};

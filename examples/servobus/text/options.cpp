@@ -18,7 +18,11 @@ int complain(int status, const std::string& message) {
     return status;
 }
 
+static std::size_t notes_written = 0;
+std::size_t note_count() { return notes_written; }
+
 void note(const std::string& message) {
+    ++notes_written;
     (void)streams::flush();
     (void)std::fprintf(stderr, "servobus: %s\n", message.c_str());
 }
