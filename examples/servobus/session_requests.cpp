@@ -230,7 +230,7 @@ servobus::status session::write_now(const chosen& what, std::span<const u16> wor
     }
     const servobus::status w = write_once(what, sent);
     // What is late must not be carried out any more, but for a stop.
-    if (w.outcome() == servobus::outcome::unknown && !is_stop(what, words))
+    if (w.outcome() == servobus::outcome::unknown && !is_stop(what, words) && port_.is_network())
         is_lost_ = port_.reconnect() != servobus::errc::ok;
     const auto covers = [&](u16 address) {
         return address != 0 && address >= what.address && address - what.address < what.words;

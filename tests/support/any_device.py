@@ -43,6 +43,7 @@ class Device:
         self.began: list[float] = []  # when each of them had come
         self.delays: list[float] = []  # s, before the next responses
         self.pause = 0.0  # s, inside each response on a terminal
+        self.is_pulled_by_write = False  # a terminal ends in place of the response
 
     def response_to(self, pdu: bytes) -> bytes:
         self.requests.append(pdu)
@@ -107,6 +108,9 @@ def on_terminal(device: Device, node: int = 1, echoes: bool = False):
                 size = size_of_request(begun)
                 frame, begun = begun[:size], begun[size:]
                 if crc(frame[:-2]) == frame[-2:] and frame[0] == node:
+                    if device.is_pulled_by_write and frame[1] > 4:
+                        device.answer(frame[1:-2])
+                        return
                     response = bytes([node]) + device.answer(frame[1:-2])
                     response += crc(response)
                     if device.pause:
@@ -115,14 +119,17 @@ def on_terminal(device: Device, node: int = 1, echoes: bool = False):
                         time.sleep(device.pause)
                     os.write(ours, response)
 
-    thread = threading.Thread(target=serve, daemon=True)
+    def run():
+        serve()
+        os.close(ours)
+
+    thread = threading.Thread(target=run, daemon=True)
     thread.start()
     try:
         yield os.ttyname(theirs)
     finally:
         stop.set()
         thread.join()
-        os.close(ours)
         os.close(theirs)
 
 

@@ -9,7 +9,7 @@ import time
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
-from any_device import Device, Gateway
+from any_device import Device, Gateway, on_terminal
 from programs import Tool, play_tool, scene, until
 
 WAIT = "--timeout 2000"
@@ -122,6 +122,29 @@ def serial_port(tool: Tool):
         tool.check("and its values", until(lambda: watcher.out.endswith(",24.00\n")), watcher.out[-500:])
         tool.ends(watcher, signal.SIGINT)
     tool.status_is("Ctrl-C ends with status 0", 0)
+
+
+@scene()
+def serial_port_that_a_write_loses(tool: Tool):
+    """The port is back at once, with another device: the write may have been carried out already."""
+    first, second = numbered(), numbered()
+    first.is_pulled_by_write = True
+    with on_terminal(first) as pulled, on_terminal(second) as plugged:
+        drive = tool.folder / "port"
+        drive.symlink_to(pulled)
+
+        def plug():
+            until(lambda: any(pdu[0] == 6 for pdu in first.requests))
+            (tool.folder / "other").symlink_to(plugged)
+            (tool.folder / "other").rename(drive)
+
+        thread = threading.Thread(target=plug, daemon=True)
+        thread.start()
+        tool.run(f"write port raw 1=5 2=6 --yes {WAIT}")
+        thread.join()
+        tool.status_is("G15: a write whose port is lost ends it", 1)
+        tool.err_has("its outcome is unknown", "1: unknown, the port is gone")
+        tool.is_equal("G15: it is not sent again", second.requests, [])
 
 
 @scene()
