@@ -6,6 +6,8 @@
 #include <charconv>
 #include <cmath>
 
+#include <servobus/modbus/bits.hpp>
+
 #include "../session.hpp"
 #include "nearest.hpp"
 
@@ -27,11 +29,11 @@ struct named_type {
     std::string_view name;
     raw_type type;
 };
-constexpr named_type types[] = {{"u16", raw_type::u16},
-                                {"i16", raw_type::i16},
-                                {"u32", raw_type::u32},
-                                {"i32", raw_type::i32},
-                                {"f32", raw_type::f32}};
+constexpr named_type types[] = {{"u16", raw_type::unsigned_word},
+                                {"i16", raw_type::signed_word},
+                                {"u32", raw_type::unsigned_pair},
+                                {"i32", raw_type::signed_pair},
+                                {"f32", raw_type::float_pair}};
 
 template <class Named, std::size_t N> const Named* find(const Named (&all)[N], std::string_view name) {
     for (const Named& one : all) {
@@ -78,7 +80,7 @@ std::optional<u32> parse_bits(raw_type type, std::string_view text) {
         if (text == "off" || text == "0" || text == "false") return 0;
         return std::nullopt;
     }
-    if (type == raw_type::f32) {
+    if (type == raw_type::float_pair) {
         float value = 0;
         const char* const end = text.data() + text.size();
         const auto [stopped, error] = std::from_chars(text.data(), end, value);
@@ -89,11 +91,11 @@ std::optional<u32> parse_bits(raw_type type, std::string_view text) {
         std::int64_t low;
         std::int64_t high;
     };
-    const range within = type == raw_type::word  ? range{-0x8000, 0xFFFF}
-                         : type == raw_type::u16 ? range{0, 0xFFFF}
-                         : type == raw_type::i16 ? range{-0x8000, 0x7FFF}
-                         : type == raw_type::u32 ? range{0, 0xFFFF'FFFF}
-                                                 : range{-0x8000'0000LL, 0x7FFF'FFFF};
+    const range within = type == raw_type::word            ? range{-0x8000, 0xFFFF}
+                         : type == raw_type::unsigned_word ? range{0, 0xFFFF}
+                         : type == raw_type::signed_word   ? range{-0x8000, 0x7FFF}
+                         : type == raw_type::unsigned_pair ? range{0, 0xFFFF'FFFF}
+                                                           : range{-0x8000'0000LL, 0x7FFF'FFFF};
     const std::optional<std::int64_t> value = parse_integer(text);
     if (!value || *value < within.low || *value > within.high) return std::nullopt;
     return static_cast<u32>(static_cast<std::uint64_t>(*value));
@@ -103,11 +105,11 @@ const char* what_fits(raw_type type) {
     switch (type) {
     case raw_type::bit: return "neither on nor off (nor 1 or 0)";
     case raw_type::word: return "no 16-bit number";
-    case raw_type::u16: return "no whole number from 0 to 65535";
-    case raw_type::i16: return "no whole number from -32768 to 32767";
-    case raw_type::u32: return "no whole number from 0 to 4294967295";
-    case raw_type::i32: return "no whole number from -2147483648 to 2147483647";
-    case raw_type::f32: return "no number of single precision";
+    case raw_type::unsigned_word: return "no whole number from 0 to 65535";
+    case raw_type::signed_word: return "no whole number from -32768 to 32767";
+    case raw_type::unsigned_pair: return "no whole number from 0 to 4294967295";
+    case raw_type::signed_pair: return "no whole number from -2147483648 to 2147483647";
+    case raw_type::float_pair: return "no number of single precision";
     }
     return "";
 }
@@ -121,9 +123,9 @@ std::string hex_text(u32 bits, std::size_t digits) {
 
 std::string number_text(raw_type type, u32 bits) {
     switch (type) {
-    case raw_type::i16: return std::to_string(static_cast<std::int16_t>(bits));
-    case raw_type::i32: return std::to_string(static_cast<std::int32_t>(bits));
-    case raw_type::f32: {
+    case raw_type::signed_word: return std::to_string(static_cast<std::int16_t>(bits));
+    case raw_type::signed_pair: return std::to_string(static_cast<std::int32_t>(bits));
+    case raw_type::float_pair: {
         char room[32];
         const std::to_chars_result end = std::to_chars(room, room + sizeof room, std::bit_cast<float>(bits));
         return {room, end.ptr};
@@ -227,7 +229,7 @@ std::string raw_name(const chosen& what) {
 
 std::string raw_number(const raw_form& form, std::span<const u16> words) {
     const u32 bits = bits_of(form, words);
-    const bool is_finite = form.type != raw_type::f32 || std::isfinite(std::bit_cast<float>(bits));
+    const bool is_finite = form.type != raw_type::float_pair || std::isfinite(std::bit_cast<float>(bits));
     return is_finite ? number_text(form.type, bits) : "nan";
 }
 

@@ -23,11 +23,11 @@ namespace tool {
 enum class raw_type : std::uint8_t {
     bit,  ///< a coil or a discrete input; a word of the tool's own has 0 or 1
     word, ///< no type was given: a number of 16 bits, to be written with a sign or without
-    u16,
-    i16,
-    u32,
-    i32,
-    f32, ///< IEEE 754, single precision
+    unsigned_word,
+    signed_word,
+    unsigned_pair,
+    signed_pair,
+    float_pair, ///< IEEE 754, single precision
 };
 
 /// Where values without a map are, and what they are.
@@ -39,7 +39,7 @@ struct raw_form {
 
     bool is_bit() const { return type == raw_type::bit; }
     /// Words of a value.
-    std::size_t width() const { return type >= raw_type::u32 ? 2 : 1; }
+    std::size_t width() const { return type >= raw_type::unsigned_pair ? 2 : 1; }
     bool is_writable() const {
         return table == servobus::table::coils || table == servobus::table::holding_registers;
     }
