@@ -9,7 +9,9 @@ import sys
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
+import standard_frames
 from programs import Running, Tool, play_tool, scene, until
+from standard_frames import framed
 from tapped_line import TappedLine
 
 NOWHERE = "/dev/no-such-port"
@@ -155,6 +157,25 @@ def manual(tool: Listening, device: str):
     tool.is_equal("the capture has the frames", bare, frames)
     status_name = "and has status 0" if device == "zlac8015d" else ""
     tool.explains_the_same("explain says the same", device, status_name)
+    tool.nothing_is_sent("nothing is sent", tap)
+
+
+@scene("with gaps", "glued")
+def every_function(tool: Listening, how: str):
+    frames = [framed(pdu) for row in standard_frames.FUNCTIONS for pdu in row[::2]]
+    said = []
+    for _, asks, _, answers in standard_frames.FUNCTIONS:
+        said += [f"> node 1: {asks}", f"< node 1: response, {answers} (after T)"]
+    count = len(standard_frames.FUNCTIONS)
+    said += [end_of(node=1, requests=count, responses=count - 1, exceptions=1),
+             f"# frames={2 * count} bad_crc=0 incomplete=0 noise=0 damaged_bytes=0"]
+    tap = TappedLine.at(tool.folder / "tap")
+    listener = tool.listen(f"tap zlac8015d {PATIENT} --log capture")
+    tap.play(*(frames if how == "with gaps" else [" ".join(frames)]))
+    until(lambda: len(tool.captured()) >= len(frames))
+    tool.ends(listener, signal.SIGINT)
+    tool.is_equal(f"listen, {how}: every function of the standard", tool.without_clock(), said)
+    tool.explains_the_same("explain says the same", "zlac8015d", "and has status 0")
     tool.nothing_is_sent("nothing is sent", tap)
 
 

@@ -6,6 +6,7 @@ import sys
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
+import standard_frames
 from programs import Tool, play_tool, scene
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -110,55 +111,10 @@ def explained(tool: Tool):
     tool.out_is("explain: and says why", "invalid: not a frame in hex")
 
 
-def framed(pdu: str, node: int = 1) -> str:
-    """A frame in hex around a PDU in hex."""
-    data = bytes([node]) + bytes.fromhex(pdu)
-    crc = 0xFFFF
-    for byte in data:
-        crc ^= byte
-        for _ in range(8):
-            crc = crc >> 1 ^ (0xA001 if crc & 1 else 0)
-    return (data + crc.to_bytes(2, "little")).hex(" ")
-
-
-# The examples of the standard, and their words: each request, then its response.
-OF_STANDARD = [
-    ("01 0013 0013", "read coils 0x0013..0x0025"),
-    ("01 03 CD6B05", "response, coils 0x0013..0x0025 = 10110011 11010110 101"),
-    ("02 00C4 0016", "read discrete inputs 0x00C4..0x00D9"),
-    ("02 03 ACDB35", "response, discrete inputs 0x00C4..0x00D9 = 00110101 11011011 101011"),
-    ("05 00AC FF00", "write coil 0x00AC = on (request, or the response that echoes it)"),
-    ("05 00AC FF00", "write coil 0x00AC = on (the request again, or the response that echoes it)"),
-    ("07", "read exception status"),
-    ("07 6D", "response, exception status 0x6D"),
-    ("08 0000 A537", "loopback test 0xA537 (request, or the response that echoes it)"),
-    ("08 0000 A537", "loopback test 0xA537 (the request again, or the response that echoes it)"),
-    ("0B", "read event counter"),
-    ("0B FFFF 0108", "response, event counter 264, busy"),
-    ("0C", "read event log"),
-    ("0C 08 0000 0108 0121 2000", "response, event log of 264 events and 289 messages, newest first: 20 00"),
-    ("0F 0013 000A 02 CD01", "write coils 0x0013..0x001C = 10110011 10"),
-    ("0F 0013 000A", "response, coils 0x0013..0x001C written"),
-    ("11", "report server ID"),
-    ("11 03 07FF41", "response, server ID 07 FF 41"),
-    ("16 2034 00F2 0025",
-     "mask write left_max_current (0x2034), and 0x00F2, or 0x0025 (request, or the response that echoes it)"),
-    ("17 20A1 0001 2080 0001 02 01F4",
-     "write left_acceleration_time (0x2080) = 500 ms, then read bus_voltage (0x20A1)"),
-    ("17 02 0960", "response, bus_voltage = 24.00 V"),
-    ("18 04DE", "read FIFO queue (0x04DE)"),
-    ("18 0006 0002 01B8 1284", "response, FIFO queue (0x04DE), 2 words 0x01B8 0x1284"),
-    ("2B 0E 01 00", "read basic identification"),
-    ("2B 0E 01 01 00 00 02 00 02 4142 01 01 43", 'response, identification, vendor name "AB", product code "C"'),
-    ("14 07 06 0004 0001 0002", "valid frame of function 14h (read file record), data 07 06 00 04 00 01 00 02"),
-    ("65 01", "valid frame of function 65h (user-defined), data 01"),
-]
-
-
 @scene()
 def explained_functions(tool: Tool):
-    frames = [framed(pdu) for pdu, _ in OF_STANDARD]
-    words = [f"node 1: {text}" for _, text in OF_STANDARD]
+    frames = [frame for frame, _ in standard_frames.explained()]
+    words = [text for _, text in standard_frames.explained()]
     explain(tool, *frames)
     tool.out_is("explain: every function of the standard, and the bytes of what has no words", *words)
     tool.status_is("explain: and status 0", 0)
