@@ -148,9 +148,10 @@ void texts(corpus& to) {
                byte_list(text, text + std::string{text}.size()));
 }
 
-// The format of fuzz/fuzz_functions.cpp: the request's length, the request, the response. The pairs are those that the
+// The format of fuzz/fuzz_functions.cpp: the request's length, the request, the response; and that of
+// fuzz/fuzz_explain.cpp: no direction, room, the length of the frame before it, both frames. The pairs are those that the
 // standard prints.
-void functions(corpus& to) {
+void functions(corpus& to, corpus& explain) {
     struct pair {
         const char* name;
         byte_list request;
@@ -179,9 +180,12 @@ void functions(corpus& to) {
         {"exception", {1, 0, 0x13, 0, 0x13}, {0x81, 2}},
         {"no_function", {0x41, 0, 1}, {0x41, 0, 1}},
     };
-    for (const pair& each : all)
-        to.add("standard_" + std::string{each.name},
-               byte_list{low(each.request.size())} + each.request + each.response);
+    for (const pair& each : all) {
+        const std::string name = "standard_" + std::string{each.name};
+        to.add(name, byte_list{low(each.request.size())} + each.request + each.response);
+        explain.add(name, byte_list{0, 200, low(each.request.size() + 1), 1} + each.request + byte_list{1} +
+                              each.response);
+    }
 }
 
 } // namespace
@@ -193,7 +197,7 @@ int main() {
     calls(line);
     blocking_line_calls(blocking_line);
     texts(text);
-    functions(of_functions);
+    functions(of_functions, explain);
     std::uint8_t device = 0;
     for (const std::string manual : {"zlac8015d", "yako", "c630s"}) {
         const std::vector<printed> frames = frames_of("tests/manuals/" + manual + "_frames.csv");
