@@ -64,7 +64,7 @@ servobus::status session::read_repeated(u16 address, std::span<u16> words, servo
         note_request(why);
         if (why.error() == ok || why.error() == bad_argument) return why;
         if (why.error() == port_lost) {
-            // A port that is lost again as the same register is read has no use.
+            // A port that is lost twice at one register is of no use.
             if (std::exchange(was_lost, true) || !has_port()) return why;
         } else if (is_tcp_) {
             if (why.error() == exception) return why;
@@ -95,8 +95,9 @@ bool session::has_port() {
     if (!may_return()) return false;
     const servobus::instant begin = native::monotonic_now();
     while (port_.reopen() != servobus::errc::ok) {
-        if (!is_said_lost_)
-            note(name_ + " is gone: " + os::error_text(port_.os_error()) + "; waiting for it");
+        const int error = port_.os_error();
+        const std::string reason = error != 0 ? ": " + os::error_text(error) : std::string{};
+        if (!is_said_lost_) note(name_ + " is gone" + reason + "; waiting for it");
         is_said_lost_ = true;
         if (interrupts::came() || since(begin, native::monotonic_now()) >= *patience_) return false;
         native::sleep_for(servobus::milliseconds(100));
