@@ -46,6 +46,8 @@ def closed_after_each_response(tool: Tool, scheme: str):
                    "".join(re.sub(r"\(0x.{4}\)", "", line) for line in tool.last.lines))
         tool.status_is(f"{scheme}: with status 0", 0)
         tool.check(f"{scheme}: watch says so once", tool.last.err.count(said) == 1)
+        tool.says(f"{scheme}: scan goes on", f"scan {gateway.name} --nodes 1-3 {WAIT}",
+                  *[f"- - {node} unknown device" for node in (1, 2, 3)])
 
 
 @scene("tcp", "mbap")

@@ -20,7 +20,7 @@ def numbered() -> Device:
 @scene(
     # At the end of the drive's own quarantine of 100 ms the response was taken for that of the next request.
     ("a longer timeout has a longer quarantine", "--timeout 400", 0.6),
-    ("a shorter timeout leaves the drive the time that it has", "--timeout 20", 0.15),
+    ("a shorter timeout leaves the drive the time that it has", "--timeout 40", 0.17),
     ("a quarantine that is given", "--timeout 100 --quarantine 600", 0.5),
 )
 def late_response(tool: Tool, name: str, options: str, delay: float):
