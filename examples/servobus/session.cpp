@@ -102,8 +102,8 @@ int session::check(const arguments& asked, const target& of) {
     return done;
 }
 
-// A late response must be dropped within the quarantine. Who gives a longer timeout has a slower drive, which may be
-// late by as much; a shorter timeout does not make the drive any faster.
+// A late response must begin within the quarantine, which drops it. A longer timeout means a slower drive, whose
+// responses may be late by as much. A shorter timeout leaves the drive as slow as it is: its own limits still count.
 bool session::check_gaps(const arguments& asked) {
     const auto gap = asked.number("gap", 0, 60'000, facts_->gap.us / 1000);
     const auto quarantine = asked.number("quarantine", 0, 60'000, facts_->quarantine.us / 1000);

@@ -77,8 +77,7 @@ servobus::status session::read_repeated(u16 address, std::span<u16> words, servo
     }
 }
 
-// The first request after a start waits for the drive's own quarantine, which is the shortest that another program's
-// request may need.
+// The first request of a session waits for the drive's own quarantine alone, so that a long --timeout delays no start.
 void session::note_request(servobus::status why) {
     client_->node().gaps.quarantine = later_quarantine_;
     has_worked_ = has_worked_ || why.has_response();

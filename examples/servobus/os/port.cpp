@@ -234,7 +234,7 @@ bool any_port::sent() {
 servobus::transfer any_port::receive(servobus::byte_buffer in) {
     const servobus::transfer t = receive_now(in);
     const bool is_closed = !t && t.error() == errc::port_lost && !is_foreign();
-    // With a request under way its response is lost, and with a peer that has never responded something else is wrong.
+    // While a request is under way its response is lost. A peer that has never responded may have another protocol.
     const bool is_idle = has_answered_ && (is_fresh_ || is_answered());
     if (!is_closed || !keeps_connected_ || !is_network() || !is_idle) return t;
     if (reconnect() != errc::ok) return t;

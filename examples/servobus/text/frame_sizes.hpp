@@ -50,7 +50,7 @@ inline std::size_t request_size(servobus::bytes from) {
 }
 
 /// The length of the response that begins with `from`, at least three bytes; 0 if the function is none of the standard.
-/// While its bytes are too few to tell, more than there are.
+/// Longer than `from` while its bytes do not give the length yet.
 inline std::size_t response_size(servobus::bytes from) {
     if ((from[1] & servobus::modbus::exception_flag) != 0) return 5;
     if (is_loopback(from)) return loopback_size(from);

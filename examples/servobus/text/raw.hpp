@@ -30,7 +30,7 @@ enum class raw_type : std::uint8_t {
     float_pair, ///< IEEE 754, single precision
 };
 
-/// Where values without a map are, and what they are.
+/// The place and the type of values without a map.
 struct raw_form {
     servobus::table table = servobus::table::holding_registers;
     raw_type type = raw_type::word;
@@ -52,7 +52,7 @@ std::optional<chosen> parse_raw_register(std::string_view text);
 /// `VALUE[,VALUE...]` for them. Complains by itself if one does not fit its type.
 std::optional<std::vector<u16>> parse_raw_values(const chosen& what, std::string_view text);
 
-/// How many values it has.
+/// The number of values.
 std::size_t raw_count(const chosen& what);
 /// `0x2088`, `coil:0x000C`: the value at `index`.
 std::string raw_name(const chosen& what, std::size_t index);
@@ -62,7 +62,7 @@ std::string raw_name(const chosen& what);
 std::string raw_text(const raw_form& form, std::span<const u16> words);
 std::string raw_number(const raw_form& form, std::span<const u16> words);
 
-/// What a register of the command line may begin with: `coil:` and the other tables.
+/// The tables as the command line names them, `coil:` and the others.
 std::vector<std::string> raw_tables(bool writable_only);
 
 } // namespace tool

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Whether a captured frame is a request or a response: most frames are well-formed in one direction only.
+// Tells requests from responses among captured frames: most are well-formed in one direction only.
 // explain/explain.hpp includes it; programs include it that pair captured frames.
 //
 //     static_assert(is_request(hex("01 00 13 00 13")) && !is_response(hex("01 00 13 00 13")));

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// What is wrong with a PDU, as text.
+// The errors of a PDU as text.
 #pragma once
 
 #include <servobus/core/cxx20.hpp>
@@ -37,7 +37,7 @@ constexpr direction likely_direction(bytes pdu) {
     }
 }
 
-/// Writes what is wrong with a PDU of a known function, or with an exception: "wrong quantity 126".
+/// Writes the error of a PDU of a known function, or of an exception: "wrong quantity 126".
 class flaw_text {
   public:
     constexpr flaw_text(direction way, bytes pdu, text_writer& out)

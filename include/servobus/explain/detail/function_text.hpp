@@ -52,7 +52,7 @@ class function_text {
         }
     }
 
-    /// Writes what follows "response, ". `request` is the PDU to which it responds; empty if it is not known.
+    /// Writes the words after "response, ". `request` is the PDU to which it responds; empty if it is not known.
     constexpr void put_response(bytes pdu, bytes request) {
         using modbus::function;
         switch (static_cast<function>(pdu[0])) {
