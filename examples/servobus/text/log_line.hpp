@@ -181,7 +181,21 @@ inline std::size_t size_at(servobus::bytes from, servobus::bytes request) {
     return std::all_of(more.begin(), more.end(), [](std::uint8_t b) { return b == 0; }) ? shorter : longer;
 }
 
-/// The same for a function without a known length: its CRC is right, and the bytes end there or another frame follows.
+/// True for bytes that a line gives while no driver is enabled.
+inline bool is_idle_line(servobus::bytes some) {
+    return std::all_of(some.begin(), some.end(), [](std::uint8_t b) { return b == 0 || b == 0xFF; });
+}
+
+/// True if bytes with a right CRC begin there.
+inline bool may_begin_frame(servobus::bytes from) {
+    for (std::size_t size = min_frame; size <= from.size() && size <= max_frame; ++size) {
+        if (is_whole(from, size)) return true;
+    }
+    return false;
+}
+
+/// The same for a function without a known length: its CRC is right, and after it the bytes end, another frame may begin,
+/// or the line is idle.
 inline std::size_t unknown_size_at(servobus::bytes from) {
     if (from.size() < min_frame || from[1] == 0) return 0;
     if (is_whole(from, from.size())) return from.size();
@@ -189,14 +203,9 @@ inline std::size_t unknown_size_at(servobus::bytes from) {
     for (std::size_t size = min_frame; size < from.size() && size <= max_frame; ++size) {
         if (!is_whole(from, size)) continue;
         const servobus::bytes rest = from.subspan(size);
-        if (size_at(rest, {}) != 0 || unknown_size_at(rest) != 0) return size;
+        if (is_idle_line(rest) || may_begin_frame(rest)) return size;
     }
     return 0;
-}
-
-/// True for bytes that a line gives while no driver is enabled.
-inline bool is_idle_line(servobus::bytes some) {
-    return std::all_of(some.begin(), some.end(), [](std::uint8_t b) { return b == 0 || b == 0xFF; });
 }
 
 /// The frames in `all`. `request`: the one before them, to which the first may be a response.

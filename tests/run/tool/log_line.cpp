@@ -173,6 +173,12 @@ TEST_CASE("a frame of a function without a known length ends with the line, afte
     CHECK(found.frames[2].frame == with({}));
     CHECK(found.frames[3].frame == request_bytes);
     CHECK(found.left_over() == 0);
+    const frame_bytes one = with({});
+    frame_bytes idle = one;
+    idle.insert(idle.end(), {0xFF, 0xFF, 0xFF, 0xFF, 0x00});
+    REQUIRE(find_frames(idle).frames.size() == 1);
+    CHECK(find_frames(idle).frames[0].frame == one);
+    CHECK(find_frames(idle).noise.size() == 5);
 }
 
 } // namespace log_line_tests
