@@ -20,6 +20,7 @@
 #include <servobus/modbus/crc_tables.hpp>
 #include <servobus/modbus/functions.hpp>
 #include <servobus/modbus/growing_response.hpp>
+#include <servobus/modbus/response_rules.hpp>
 #include <servobus/modbus/server.hpp>
 #include <servobus/posix/pseudo_terminal.hpp>
 #include <servobus/registers/tables.hpp>

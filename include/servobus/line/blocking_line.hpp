@@ -69,7 +69,7 @@ class blocking_line : modbus::gathering<std::uint8_t> {
     static constexpr std::size_t longest_frame = 255; ///< bytes; function 10h needs no more
 
     /// A request and room for its response. `Limits` is `response_limits`, or a class that has its figures as
-    /// constants; `Priority` likewise. A broadcast, and a function other than 03, 04, 06 and 10h, are types of
+    /// constants; `Priority` likewise. A broadcast, and a function other than 01..06, 0F and 10h, are types of
     /// their own, so that only a program that sends one pays for it.
     template <class Limits, bool IsBroadcast = false, bool IsAnyFunction = false, class Priority = priority>
     class exchange_for {
@@ -79,9 +79,9 @@ class blocking_line : modbus::gathering<std::uint8_t> {
         constexpr exchange_for(bytes request, byte_buffer response, const modbus::rtu_timing&,
                                const Limits& limits, Priority of = {})
             : exchange_for{request, response.first(length_in(response, request)), limits,
-                           request.size() == 8 && request[1] == 0x06, of} {}
+                           request.size() >= 8 && modbus::repeats_a_value(request[1]), of} {}
 
-        /// The same unchecked, for a caller that has made both to fit. `is_single`: function 06.
+        /// The same unchecked, for a caller that has made both to fit. `is_single`: function 05, 06 or 16h.
         static constexpr exchange_for trusted(bytes request, byte_buffer response, const Limits& limits,
                                               bool is_single, Priority of) {
             return {request, response, limits, is_single, of};
@@ -104,20 +104,18 @@ class blocking_line : modbus::gathering<std::uint8_t> {
         // 0 for a request that is no frame of this kind, or without room.
         static constexpr std::size_t length_in(byte_buffer response, bytes request) {
             if (request.size() < modbus::min_frame || request.size() > longest_frame) return 0;
-            const bool is_read = modbus::is_read(request[1]);
-            if (!is_read && !modbus::is_write(request[1])) {
-                const bool is_function = request[1] != 0 && request[1] < modbus::exception_flag;
-                return IsAnyFunction && is_function && modbus::is_node_address(request[0]) &&
-                               response.size() >= 5 && response.size() <= longest_frame
-                           ? response.size()
-                           : 0;
+            const std::uint8_t code = request[1];
+            if (code == 0 || code >= modbus::exception_flag) return 0;
+            if (!IsAnyFunction && code > 0x06 && code != 0x0F && code != 0x10) return 0;
+            std::size_t length = modbus::expected_response(request);
+            if (length == modbus::any_length) {
+                if (IsBroadcast) return 0;
+                length = response.size();
             }
-            if (request.size() < 8) return 0;
-            const bool has_sane_count = request[4] == 0 && request[5] != 0;
-            if (is_read && (IsBroadcast || request.size() > 8 || !has_sane_count)) return 0;
-            if ((request[0] == modbus::broadcast) != IsBroadcast) return 0;
-            const std::size_t length = is_read ? 5u + 2u * request[5] : 8u;
-            return length <= response.size() && length <= longest_frame ? length : 0;
+            if (IsBroadcast && modbus::has_count(modbus::like(request))) return 0; // it would read
+            if (IsBroadcast ? request[0] != modbus::broadcast : !modbus::is_node_address(request[0]))
+                return 0;
+            return length >= 5 && length <= response.size() && length <= longest_frame ? length : 0;
         }
 
         bytes request_;
@@ -246,8 +244,9 @@ class blocking_line : modbus::gathering<std::uint8_t> {
             }
             idle_ = {}; // a quarantine counts from here: a late response begins within it
             if (count_ != 0)
-                ended_.end(
-                    gathering::template judged<Crc, IsAnyFunction>(cut, limits, count_ > length_, *this));
+                ended_.end(gathering::template judged<Crc, IsAnyFunction>(
+                    IsAnyFunction ? modbus::like({request_, size_}) : request_[1], cut, limits,
+                    count_ > length_, *this));
             if constexpr (has_gateway<Port>) {
                 if (modbus::note_gateway(ended_, IsBroadcast)) idle_ = {};
             }

@@ -68,9 +68,9 @@ template <crc_engine Crc = default_crc> class basic_exchange : gathering<std::ui
     }
 
     /// An exchange that sends `request`, a whole frame, and stores the response in `response`, which may be
-    /// the same memory as the request. The length of the response follows from the request for functions 03,
-    /// 04, 06 and 10h; for any other function it is `response.size()`, at most 256. An exception needs 5
-    /// bytes.
+    /// the same memory as the request. The length of the response follows from the request for functions 01..06, 0F,
+    /// 10h, 16h, 17h and a loopback (08h with sub-function 0); for any other it is `response.size()`, at most 256. An
+    /// exception needs 5 bytes.
     /// Errors (immediately, in state `done`): `bad_argument` if the request is not a frame, has a function
     /// code outside 01..7Fh, is a broadcast read, goes to a reserved address or needs a larger `response`.
 #if __SIZEOF_SIZE_T__ >= 8 // inlined on hosts; small cores share one copy
@@ -84,7 +84,7 @@ template <crc_engine Crc = default_crc> class basic_exchange : gathering<std::ui
         if (is_sound(request)) {
             size_ = static_cast<std::uint16_t>(request.size());
             unit_ = request[0];
-            code_ = request[1];
+            like_ = like(request);
             length_ = expected_length(request, response.size());
             const bool has_room = length_ <= response.size() && response.size() >= exception_frame;
             if (length_ >= min_frame && (unit_ == broadcast || has_room)) {
@@ -96,7 +96,7 @@ template <crc_engine Crc = default_crc> class basic_exchange : gathering<std::ui
         }
     }
 
-    /// The same without a look at the request, for who has just made it: of function 03, 04, 06 or 10h, to a
+    /// The same without a look at the request, for who has just made it: of function 01..06, 0F, 10h or 16h, to a
     /// valid address. `response` is as long as the whole response; for a write it may be the request's memory.
     [[gnu::always_inline]] static constexpr basic_exchange trusted(bytes request, byte_buffer response,
                                                                    const rtu_timing& timing,
@@ -115,7 +115,7 @@ template <crc_engine Crc = default_crc> class basic_exchange : gathering<std::ui
         count_ = 0;
         phase_ = phase::ready;
         unit_ = request[0];
-        code_ = request[1];
+        like_ = request[1];
         leading_ = 0;
         other_count_ = 0;
         priority_ = of;
@@ -170,9 +170,9 @@ template <crc_engine Crc = default_crc> class basic_exchange : gathering<std::ui
     constexpr instant sent_at() const { return sent_; }
     /// The bytes of the response received so far; empty for a broadcast.
     constexpr bytes response() const { return {response_, count_}; }
-    /// The words of a successful read; empty in all other cases.
+    /// The words of a successful read of registers; empty in all other cases.
     constexpr words_view words() const {
-        return done() && status_.error() == errc::ok && is_read(code_)
+        return done() && status_.error() == errc::ok && is_read(like_)
                    ? words_view{bytes{response_, length_}.subspan(3, length_ - 5u)}
                    : words_view{};
     }
@@ -267,7 +267,7 @@ template <crc_engine Crc = default_crc> class basic_exchange : gathering<std::ui
     [[gnu::always_inline]] constexpr basic_exchange(trusted_tag, bytes request, byte_buffer response,
                                                     const rtu_timing& timing, const response_limits& limits,
                                                     servobus::priority of)
-        : phase_{phase::ready}, unit_{request[0]}, code_{request[1]}, status_{}, priority_{of},
+        : phase_{phase::ready}, unit_{request[0]}, like_{request[1]}, status_{}, priority_{of},
           timing_{&timing}, limits_{&limits} {
         request_ = request.data();
         response_ = response.data();
@@ -281,7 +281,8 @@ template <crc_engine Crc = default_crc> class basic_exchange : gathering<std::ui
     static constexpr bool is_sound(bytes request) {
         if (request.size() < min_frame || request.size() > max_frame) return false;
         if (request[1] == 0 || request[1] >= exception_flag) return false;
-        return is_node_address(request[0]) || (request[0] == broadcast && !is_read(request[1]));
+        if (is_node_address(request[0])) return true;
+        return request[0] == broadcast && !has_count(like(request)); // which would read
     }
 
     // True in the usual case: the response arrived in one piece and its header matches. `take_bytes` would
@@ -291,18 +292,18 @@ template <crc_engine Crc = default_crc> class basic_exchange : gathering<std::ui
         const auto is_requested = [&](std::size_t at) {
             return load_word(arrived, at) == load_word(request(), at);
         };
-        if (code_ == 0x06 && !std::is_constant_evaluated())
+        if (like_ == 0x06 && !std::is_constant_evaluated())
             return __builtin_memcmp(arrived.data(), request_, 8) == 0;
-        if (code_ == 0x06) return is_requested(0) && is_requested(2) && is_requested(4) && is_requested(6);
+        if (like_ == 0x06) return is_requested(0) && is_requested(2) && is_requested(4) && is_requested(6);
         if (!is_requested(0)) return false;
         if (length_ < size_ && is_requested(length_ - 2u)) return false; // may be an echo
         if (length_ > size_ && arrived[length_ - 1u] == 0) return false; // or one with zeros after it
-        if (code_ == 0x10) return is_requested(2) && is_requested(4);
-        return !is_read(code_) || arrived[2] == length_ - 5u;
+        if (like_ == 0x10) return is_requested(2) && is_requested(4);
+        return has_count(like_) && arrived[2] == length_ - 5u;
     }
 
     constexpr std::size_t take_whole(bytes arrived) {
-        if (code_ == 0x06) { // equal to the request in every byte, so its CRC is right too
+        if (like_ == 0x06) { // equal to the request in every byte, so its CRC is right too
             count_ = 8;
             copy(arrived.data(), response_, 8);
             phase_ = phase::done; // the status is `ok` from the beginning
@@ -376,14 +377,8 @@ template <crc_engine Crc = default_crc> class basic_exchange : gathering<std::ui
     }
 
     static constexpr std::uint16_t expected_length(bytes request, std::size_t room) {
-        const std::uint8_t code = request[1];
-        if (is_read(code)) {
-            const bool whole =
-                request.size() == 8 && request[4] == 0 && request[5] >= 1 && request[5] <= max_read;
-            return whole ? static_cast<std::uint16_t>(5 + 2 * request[5]) : std::uint16_t{0};
-        }
-        // A response to 06 repeats its request including the CRC, so a request of 06 has 8 bytes.
-        if (is_write(code)) return request.size() == 8 || (request.size() > 8 && code != 0x06) ? 8 : 0;
+        const std::uint16_t length = expected_response(request);
+        if (length != any_length) return length;
         return static_cast<std::uint16_t>(room < max_frame ? room : max_frame);
     }
 
@@ -415,8 +410,8 @@ template <crc_engine Crc = default_crc> class basic_exchange : gathering<std::ui
     // The response is whole, or what came of it has ended. `has_more`: a byte came after it.
     constexpr void conclude(bool has_more) {
         const errc cut = timing_->mode == timing_mode::strict ? errc::bad_gap : errc::truncated_response;
-        errc why = base::template judged<Crc, true>(cut, *limits_, has_more, *this);
-        if (why == errc::wrong_quantity && code_ == 0x06) why = errc::wrong_value;
+        errc why = base::template judged<Crc, true>(like_, cut, *limits_, has_more, *this);
+        if (why == errc::wrong_quantity && repeats_a_value(like_)) why = errc::wrong_value;
         end(why);
     }
 
@@ -440,7 +435,7 @@ template <crc_engine Crc = default_crc> class basic_exchange : gathering<std::ui
     // The bytes first, as in the base.
     phase phase_ = phase::done;
     std::uint8_t unit_ = 0;
-    std::uint8_t code_ = 0;
+    std::uint8_t like_ = 0;
     std::uint8_t leading_ = 0;
     servobus::status status_{errc::bad_argument};
     servobus::priority priority_ = servobus::priority::ordinary;

@@ -18,7 +18,7 @@
 #include <servobus/core/bytes.hpp>
 #include <servobus/core/status.hpp>
 #include <servobus/modbus/crc16.hpp>
-#include <servobus/modbus/pdu.hpp>
+#include <servobus/modbus/response_rules.hpp>
 
 namespace servobus::modbus {
 
@@ -66,21 +66,23 @@ template <class Size> class gathering {
     /// whether this is its echo.
     constexpr bool may_be_echo() const { return same_ > length_; }
 
-    /// What the bytes are. `cut`: the error of a response that ended too early. `has_more`: another byte came
-    /// after the whole one. A wrong value of a 06 is reported as `wrong_quantity`, its place in a 10h. Tells
-    /// `owner` what else follows: `rule_out_echo()`, `end_cleanly()` where no byte came after the response,
+    /// What the bytes are. `like`: the function whose response is of the same kind (`modbus::like`). `cut`: the error of
+    /// a response that ended too early. `has_more`: another byte came after the whole one. A wrong value of a 05, 06 or
+    /// 16h is reported as `wrong_quantity`, its place in a 10h. Tells `owner` what else follows: `rule_out_echo()`, `end_cleanly()` where no byte came after the response,
     /// `note_exception(number)`.
     template <crc_engine Crc, bool HasOtherFunctions, class Limits, class Owner>
-    [[gnu::always_inline]] constexpr errc judged(errc cut, [[maybe_unused]] const Limits& limits,
-                                                 bool has_more, Owner& owner) const {
+    [[gnu::always_inline]] constexpr errc judged(std::uint8_t like, errc cut,
+                                                 [[maybe_unused]] const Limits& limits, bool has_more,
+                                                 Owner& owner) const {
         const unsigned same = same_;
         if (length_ == 2) return errc::wrong_function;
         if (same == 1) { // an exception: no header to compare
-        } else if (is_read(request_[1])) {
+        } else if (has_count(like)) {
             if (count_ > 2 && response_[2] != length_ - 5) return errc::wrong_byte_count;
-        } else if (same < 6 && (!HasOtherFunctions || is_write(request_[1]))) {
+        } else if (same + 2u < length_ && (!HasOtherFunctions || like != like_none)) {
             if (same < 4) return errc::wrong_address;
-            if (!limits.echoes_byte_count || same != 5 || response_[5] != size_ - 9)
+            if (!limits.echoes_byte_count || (HasOtherFunctions && length_ != 8) || same != 5 ||
+                response_[5] != size_ - 9)
                 return errc::wrong_quantity;
         }
         if (count_ < length_) return cut;

@@ -232,11 +232,11 @@ template <const auto& Plan, class Line, class... Drives> class cyclic_reads {
     constexpr void begin(std::size_t i) {
         const poll& p = Plan.polls[i];
         request_[0] = p.node_address;
-        const std::size_t pdu = modbus::put_read_request(
-            byte_buffer{request_}.subspan(1), modbus::function::read_holding_registers, p.address, p.words);
-        exchange_ =
-            modbus::exchange{bytes{request_}.first(modbus::close_frame<modbus::exchange::crc>(request_, pdu)),
-                             response_, line_->timing(), p.limits, priority::planned};
+        const byte_buffer pdu = byte_buffer{request_}.subspan(1);
+        modbus::put_trusted_request(pdu, modbus::function::read_holding_registers, p.address, p.words);
+        exchange_.restart(modbus::close_trusted<modbus::exchange::crc>(request_, 5),
+                          byte_buffer{response_}.first(p.response_size()), line_->timing(), p.limits,
+                          priority::planned);
         reading_ = i;
     }
     constexpr void conclude() {

@@ -1,0 +1,64 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// What a request alone says of its response: the length, and which bytes are fixed. The headers that gather responses
+// include it.
+//
+//     constexpr auto request = hex("11 01 00 13 00 25 0E 84"); // reads 37 coils
+//     static_assert(modbus::expected_response(request) == 10 && modbus::has_count(modbus::like(request)));
+//
+// Source: Modbus Application Protocol V1.1b3, section 6.
+#pragma once
+
+#include <servobus/core/cxx20.hpp>
+
+#include <cstddef>
+#include <cstdint>
+
+#include <servobus/core/bytes.hpp>
+#include <servobus/modbus/pdu.hpp>
+
+namespace servobus::modbus {
+
+inline constexpr std::uint8_t like_none = 0xFF; ///< only the function of the response is known
+
+/// The function whose response is judged alike; `request` is a frame of at least two bytes. A response to 01..04 has a
+/// byte count, as that to 17h. All others that are named here repeat their request, whole or its first six bytes.
+constexpr std::uint8_t like(bytes request) {
+    const std::uint8_t code = request[1];
+    if (code == 0x17) return 0x03;
+    if (code <= 0x06 || code == 0x0F || code == 0x10 || code == 0x16) return code;
+    const bool is_loopback = code == 0x08 && request.size() >= 8 && load_word(request, 2) == 0;
+    return is_loopback ? code : like_none;
+}
+/// True for the functions 01..04, in whose response the third byte counts those that follow.
+constexpr bool has_count(std::uint8_t like) { return like <= 0x04; }
+/// True if a response that repeats its request has a value at the place of a quantity.
+constexpr bool repeats_a_value(std::uint8_t like) { return like != 0x0F && like != 0x10; }
+
+inline constexpr std::uint16_t any_length = 0xFFFF; ///< a request does not say how long its response is
+
+/// The length of the response frame to `request`, a frame; 0 if the length or the quantity of the request is wrong.
+/// `any_length` for functions other than 01..06, 0F, 10h, 16h, 17h and a loopback (08h with sub-function 0).
+constexpr std::uint16_t expected_response(bytes request) {
+    const std::size_t size = request.size();
+    const std::uint8_t code = request[1];
+    const bool is_read = code <= 0x04;
+    if (is_read || code == 0x17) {
+        if (is_read ? size != 8 : size < 13) return 0;
+        const std::uint16_t quantity = load_word(request, 4);
+        const bool is_bits = code <= 0x02;
+        if (quantity == 0 || quantity > (is_bits ? 2000 : max_read)) return 0;
+        return static_cast<std::uint16_t>(5 + (is_bits ? (quantity + 7) / 8 : 2 * quantity));
+    }
+    switch (code) {
+    case 0x05:
+    case 0x06: return size == 8 ? 8 : 0; // the response repeats the request, including the CRC
+    case 0x0F:
+    case 0x10: return size >= 8 ? 8 : 0;
+    case 0x16: return size == 10 ? 10 : 0;
+    }
+    return like(request) == 0x08 ? static_cast<std::uint16_t>(size) : any_length;
+}
+
+} // namespace servobus::modbus
