@@ -14,9 +14,12 @@
 #include <cstddef>
 #include <cstdint>
 
+#include <servobus/client/detail/table_client.hpp>
 #include <servobus/client/raw_client.hpp>
 #include <servobus/registers/block.hpp>
+#include <servobus/registers/coil_value.hpp>
 #include <servobus/registers/register_value.hpp>
+#include <servobus/registers/table_readings.hpp>
 
 namespace servobus {
 
@@ -37,8 +40,8 @@ inline constexpr auto read_request = [] {
 /// A client of one node on a line. Not thread-safe; the line is shared by the clients of one thread.
 /// Registers without a row are reached by their addresses, as in a `raw_client`.
 template <class Line, device_class Device, class Node = node<Device>>
-class client : public raw_client<Line, Device, Node> {
-    using raw = raw_client<Line, Device, Node>;
+class client : public detail::table_client<Line, Device, Node> {
+    using raw = detail::table_client<Line, Device, Node>;
     using raw::current_word_order;
     using raw::line_;
     using raw::loses_word_order;
@@ -81,6 +84,21 @@ class client : public raw_client<Line, Device, Node> {
         return read_at<R>(R.address);
     }
 
+    /// Reads one coil or discrete input, function 01 or 02. Errors: as of a register; `unexpected_value` if the response
+    /// has more bits than one.
+    template <const auto& R>
+    requires is_bit<R>
+    constexpr result<bool> read() {
+        check_row<R>();
+        static_assert(row_type<R>::rights != access::wo, "this coil is write-only");
+        constexpr table_extent one{table_of<R>, R.address, 1, 0};
+        std::uint8_t frame[6];
+        const status why = raw::read_part(one, frame);
+        if (why.error() != errc::ok) return why;
+        if (frame[3] > 1) return status::sent(errc::unexpected_value);
+        return frame[3] == 1;
+    }
+
     /// Reads element `index` of an array of registers. Errors: as `read<R>()`; `bad_argument` if there is no
     /// such element.
     template <const auto& Rows>
@@ -90,49 +108,18 @@ class client : public raw_client<Line, Device, Node> {
         static_assert(rows::rights != access::wo, "this register is write-only");
         check_row<Rows>();
         if (index >= rows::size) return errc::bad_argument;
-        const result<u32> bits = read_bits<rows::words>(Rows[index].address);
-        if (!bits) return bits.status();
-        return reading_of<at<Rows, 0>>(*bits);
+        return read_at<at<Rows, 0>>(Rows[index].address);
     }
 
-    /// Reads several registers in the fewest requests, never across an address that is not named; `get<R>`
+    /// Reads several rows in the fewest requests for each table, never across an address that is not named; `get<R>`
     /// takes a value out. If one request fails there is no result at all. Errors: as `read<R>()`.
     template <const auto&... Rs>
     requires(sizeof...(Rs) > 1) constexpr result<readings<Rs...>> read() {
         check_device<Rs...>();
-        constexpr const auto& plan = readings<Rs...>::plan;
-        constexpr bool has_pairs = readings<Rs...>::has_pairs;
-        // Filled where the caller will have it: a copy would be a memcpy.
-        result<readings<Rs...>> values{status{}};
-        word_order order = current_word_order();
-        std::uint8_t frame[5 + 2 * plan.words];
-        status why{has_pairs && order == word_order::unknown ? errc::needs_word_order : errc::ok};
-        std::size_t offset = 0;
-        for (std::size_t i = 0; i < plan.count && why.error() == errc::ok; ++i) {
-            const extent& part = plan.requests[i];
-            if constexpr (is_fixed<Node> && plan.count == 1) {
-                why = read_by(
-                    detail::read_request<Node, plan.requests[0].address, plan.words, typename Line::crc>.all,
-                    frame, values->words());
-            } else {
-                why = read_some(frame, part.address, values->words().subspan(offset, part.words));
-            }
-            offset += part.words;
-            if constexpr (loses_word_order && has_pairs) { // an attempt had no response
-                const word_order now = current_word_order();
-                if (why.error() == errc::ok && !raw::is_one_order(i, order, now))
-                    why = errc::needs_word_order;
-                order = now;
-            }
-        }
-        if (loses_word_order && has_pairs && why.error() == errc::ok && order == word_order::unknown)
-            why = errc::needs_word_order;
-        values->set_word_order(order);
-        if (why.error() != errc::ok) {
-            if constexpr (plan.count > 1 || loses_word_order) values->clear();
-            values.fail(why);
-        }
-        return values;
+        if constexpr ((detail::is_in_other_table<Rs> || ...))
+            return raw::template read_tables<readings<Rs...>>();
+        else
+            return read_registers<Rs...>();
     }
 
     /// Writes one register: function 06, or 10h for two words. A setting of the line is written once a read has
@@ -152,11 +139,45 @@ class client : public raw_client<Line, Device, Node> {
         return put<Rows>(index, value);
     }
 
-    /// Writes adjacent registers in one frame, function 10h: all or nothing.
+    /// Writes one coil, function 05: true or false. The response to it may be an echo, as that to function 06; then the
+    /// coil is read.
+    template <const auto& R>
+    requires is_bit<R>
+    constexpr status write(register_value<R> value) {
+        check_coils<R>();
+        return raw::write_coil(R.address, value.bits() != 0);
+    }
+
+    /// Writes adjacent registers in one frame, function 10h, or adjacent coils, function 0Fh: all or nothing.
     template <const auto&... Rs>
     requires(sizeof...(Rs) > 1) [[gnu::always_inline]] constexpr status write(register_value<Rs>... values) {
         (check_wear<Rs>(), ...);
-        return write_block<Rs...>(values...);
+        if constexpr ((is_bit<Rs> || ...))
+            return write_coils_of<Rs...>(values...);
+        else
+            return write_block<Rs...>(values...);
+    }
+
+    /// Sets the bits of `Mask` in one register to those of `value`, function 16h; the device keeps the others. Never
+    /// repeated. For registers without a range: nobody knows what the change makes of the others.
+    template <const auto& R, u16 Mask>
+    requires is_register<R>
+    constexpr status change_bits(u16 value) {
+        using row = row_type<R>;
+        check_row<R>();
+        check_mask<R, Mask>();
+        static_assert(row::words == 1 && R.limits.low <= 0 &&
+                          R.limits.high >= detail::shape_of<typename row::value_type>.high,
+                      "function 16h could take this register out of its range");
+        return raw::write_masked(R.address, static_cast<u16>(~Mask), static_cast<u16>(value & Mask));
+    }
+
+    /// Writes the adjacent registers `Ws`, then reads the adjacent registers of `Reads`, which is `rows<Rs...>`, in one
+    /// transaction: function 17h. Never repeated. Errors: as of a write.
+    template <class Reads, const auto&... Ws>
+    [[gnu::always_inline]] constexpr auto write_then_read(register_value<Ws>... values) {
+        check_device<Ws...>();
+        return write_then_read_of<Ws...>(Reads{}, values...);
     }
 
     /// Writes registers that the device keeps in its EEPROM. Each write wears it: for set-up, not for repeated
@@ -237,6 +258,12 @@ class client : public raw_client<Line, Device, Node> {
         if (value.error() != errc::ok) return value.error();
         return write_bits<row_type<R>::words, true>(R.address, value.bits());
     }
+    template <const auto& R>
+    requires is_bit<R>
+    constexpr status broadcast(register_value<R> value) {
+        check_coils<R>();
+        return raw::template write_coil<true>(R.address, value.bits() != 0);
+    }
 
   private:
     template <const auto& R> static constexpr void check_row() {
@@ -253,6 +280,28 @@ class client : public raw_client<Line, Device, Node> {
                       "every write of this register wears the drive's EEPROM: store() it, or write it with "
                       "what ram_only() gives");
     }
+
+    template <const auto&... Rs> static constexpr void check_coils() {
+        check_device<Rs...>();
+        (check_wear<Rs>(), ...);
+        static_assert(!(has(Rs.flags, flag::communication) || ...),
+                      "a coil that changes a setting of the line is written by transact()");
+    }
+    template <const auto& R, u16 Mask> static constexpr void check_mask() {
+        check_wear<R>();
+        static_assert(table_of<R> == table::holding_registers && row_type<R>::rights == access::rw,
+                      "function 16h changes holding registers that can be read and written");
+        static_assert(Mask != 0, "a change of no bit");
+        check_no_setting<R>();
+    }
+    // What a client has learned of its node would be stale.
+    template <const auto& R> static constexpr void check_no_setting() {
+        static_assert(!has(R.flags, flag::communication) &&
+                          R.address != no_setting(Device::facts.word_order_register) &&
+                          R.address != no_setting(Device::facts.eeprom_switch),
+                      "a setting of the line, of the word order or of the memory is written by write()");
+    }
+    static constexpr std::uint32_t no_setting(u16 address) { return address == 0 ? 0x1'0000u : address; }
 
     template <const auto& R> constexpr status put(register_value<R> value, const condition& on = {}) {
         check_row<R>();
@@ -283,16 +332,56 @@ class client : public raw_client<Line, Device, Node> {
     }
 
     template <const auto& R> constexpr result<reading<R>> read_at(u16 address) {
-        const result<u32> bits = read_bits<row_type<R>::words>(address);
+        constexpr bool is_input = table_of<R> == table::input_registers;
+        constexpr auto code =
+            is_input ? modbus::function::read_input_registers : modbus::function::read_holding_registers;
+        const result<u32> bits = read_bits<row_type<R>::words, code>(address);
         if (!bits) return bits.status();
         return reading_of<R>(*bits);
     }
 
-    template <std::size_t Words> constexpr result<u32> read_bits(u16 address) {
+    template <const auto&... Rs> [[gnu::always_inline]] constexpr result<readings<Rs...>> read_registers() {
+        constexpr const auto& plan = readings<Rs...>::plan;
+        constexpr bool has_pairs = readings<Rs...>::has_pairs;
+        // Filled where the caller will have it: a copy would be a memcpy.
+        result<readings<Rs...>> values{status{}};
+        word_order order = current_word_order();
+        std::uint8_t frame[5 + 2 * plan.words];
+        status why{has_pairs && order == word_order::unknown ? errc::needs_word_order : errc::ok};
+        std::size_t offset = 0;
+        for (std::size_t i = 0; i < plan.count && why.error() == errc::ok; ++i) {
+            const extent& part = plan.requests[i];
+            if constexpr (is_fixed<Node> && plan.count == 1) {
+                why = read_by(
+                    detail::read_request<Node, plan.requests[0].address, plan.words, typename Line::crc>.all,
+                    frame, values->words());
+            } else {
+                why = read_some(frame, part.address, values->words().subspan(offset, part.words));
+            }
+            offset += part.words;
+            if constexpr (loses_word_order && has_pairs) { // an attempt had no response
+                const word_order now = current_word_order();
+                if (why.error() == errc::ok && !raw::is_one_order(i, order, now))
+                    why = errc::needs_word_order;
+                order = now;
+            }
+        }
+        if (loses_word_order && has_pairs && why.error() == errc::ok && order == word_order::unknown)
+            why = errc::needs_word_order;
+        values->set_word_order(order);
+        if (why.error() != errc::ok) {
+            if constexpr (plan.count > 1 || loses_word_order) values->clear();
+            values.fail(why);
+        }
+        return values;
+    }
+
+    template <std::size_t Words, modbus::function Code = modbus::function::read_holding_registers>
+    constexpr result<u32> read_bits(u16 address) {
         if (Words == 2 && current_word_order() == word_order::unknown) return errc::needs_word_order;
         u16 words[Words]{};
         std::uint8_t frame[5 + 2 * Words];
-        const status why = read_some(frame, address, words);
+        const status why = read_some(frame, address, words, Code);
         if (why.error() != errc::ok) return why;
         if constexpr (Words == 2) {
             if constexpr (loses_word_order) { // an attempt had no response
@@ -321,11 +410,64 @@ class client : public raw_client<Line, Device, Node> {
     }
 
     template <const auto&... Rs>
+    [[gnu::always_inline]] constexpr status write_coils_of(register_value<Rs>... values) {
+        static_assert((is_bit<Rs> && ...), "a write has rows of one table");
+        check_coils<Rs...>();
+        constexpr extent rows[]{{Rs.address, 1}...};
+        static_assert(detail::are_adjacent(rows, sizeof...(Rs)),
+                      "a write of several coils is one frame: they must be adjacent and in address order");
+        static_assert(sizeof...(Rs) <= modbus::max_write_bits, "a frame has room for 1968 coils");
+        std::uint8_t frame[9 + modbus::bytes_of_bits(sizeof...(Rs))]{}; // with zeros behind the last coil
+        std::size_t i = 0;
+        const auto put = [&](bool is_on) {
+            frame[7 + i / 8] = static_cast<std::uint8_t>(frame[7 + i / 8] | (is_on ? 1u : 0u) << i % 8);
+            ++i;
+        };
+        (put(values.bits() != 0), ...);
+        return raw::write_coils(frame, rows[0].address, sizeof...(Rs));
+    }
+
+    template <const auto&... Ws, const auto&... Rs>
+    constexpr result<readings<Rs...>> write_then_read_of(rows<Rs...>, const register_value<Ws>&... values) {
+        using written = write_plan<Ws...>;
+        constexpr const auto& plan = readings<Rs...>::plan;
+        check_device<Rs...>();
+        (check_wear<Ws>(), ...);
+        (check_no_setting<Ws>(), ...);
+        static_assert(((table_of<Ws> == table::holding_registers) && ...) &&
+                          ((table_of<Rs> == table::holding_registers) && ...),
+                      "function 17h is for holding registers");
+        static_assert(plan.count == 1, "function 17h reads adjacent registers");
+        static_assert(written::words <= 121, "function 17h writes at most 121 registers");
+        result<readings<Rs...>> got{status{}};
+        std::uint8_t request[13 + 2 * written::words];
+        std::uint8_t response[5 + 2 * plan.words];
+        const errc wrong = store_values(request, 11, values...);
+        const status why = wrong != errc::ok ? status{wrong}
+                                             : raw::write_and_read(request, written::rows[0].address,
+                                                                   plan.requests[0], response);
+        if (why.error() == errc::ok) {
+            words_view{bytes{response}.subspan(3)}.copy_to(got->words());
+            got->set_word_order(current_word_order());
+        } else {
+            got.fail(why);
+        }
+        return got;
+    }
+
+    template <const auto&... Rs>
     [[gnu::always_inline]] constexpr status write_block(register_value<Rs>... values) {
         check_device<Rs...>();
         using plan = write_plan<Rs...>;
         std::uint8_t frame[9 + 2 * plan::words];
-        std::size_t used = 7;
+        if (const errc wrong = store_values(frame, 7, values...); wrong != errc::ok) return wrong;
+        return write_many(frame, plan::rows[0].address);
+    }
+
+    // Stores the words of the values from byte `used` on. Returns the first error among them.
+    template <const auto&... Rs>
+    [[gnu::always_inline]] constexpr errc store_values(std::uint8_t* frame, std::size_t used,
+                                                       const register_value<Rs>&... values) {
         errc wrong = errc::ok;
         const auto put = [&](const auto& value, std::size_t size) {
             if (value.error() != errc::ok && wrong == errc::ok) wrong = value.error();
@@ -333,16 +475,15 @@ class client : public raw_client<Line, Device, Node> {
                 if (current_word_order() == word_order::unknown && wrong == errc::ok)
                     wrong = errc::needs_word_order;
                 const word_pair pair = split_words(value.bits(), node_.word_order);
-                store_word(frame, used, pair.first);
-                store_word(frame, used + 2, pair.second);
+                store_word({frame, used + 4}, used, pair.first);
+                store_word({frame, used + 4}, used + 2, pair.second);
             } else {
-                store_word(frame, used, static_cast<u16>(value.bits()));
+                store_word({frame, used + 2}, used, static_cast<u16>(value.bits()));
             }
             used += 2 * size;
         };
         (put(values, row_type<Rs>::words), ...);
-        if (wrong != errc::ok) return wrong;
-        return write_many(frame, plan::rows[0].address);
+        return wrong;
     }
 };
 

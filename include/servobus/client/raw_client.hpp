@@ -194,6 +194,7 @@ class raw_client : protected detail::node_link<Line, Device, Node> {
                                              IsAnyFunction, std::remove_cvref_t<decltype(Node::priority)>>;
     using exchange = exchange_for<false>;
 
+  protected:
     // Unchecked, since request and response are made here.
     template <bool IsBroadcast = false>
     [[gnu::always_inline]] constexpr status carried(bytes request, byte_buffer response,
@@ -212,6 +213,20 @@ class raw_client : protected detail::node_link<Line, Device, Node> {
         }
     }
 
+    /// The same for function 16h or 17h.
+    template <modbus::function Code> constexpr status carried_as(bytes request, byte_buffer response) {
+        constexpr bool is_single = Code == modbus::function::mask_write_register;
+        if constexpr (Line::is_small) {
+            return run(exchange_for<false, true>::trusted(request, response, node_.limits, is_single,
+                                                          node_.priority));
+        } else {
+            exchange x = exchange::trusted(request, response, line_->timing(), node_.limits, node_.priority);
+            if (!is_single) x.judge_like(modbus::like(request));
+            return run(x);
+        }
+    }
+
+  private:
     // One copy on a small core, with both sizes in one register.
     [[gnu::noinline]] constexpr status carried_once(const std::uint8_t* request, std::uint8_t* response,
                                                     std::uint32_t sizes) {
@@ -250,13 +265,21 @@ class raw_client : protected detail::node_link<Line, Device, Node> {
         const bool goes_on = !IsBroadcast && call.goes_on(why, node_, is_single, line_->is_echo_ruled_out());
         return goes_on ? status::sent(ask<false>(address)) : why;
     }
+
+  protected:
     // The reads before a write, or after it. Neither a response nor an exception is an echo, whatever the value. The error
     // is that of the write, sent or not, so that a small core returns one byte.
-    template <bool IsFirst> [[gnu::cold, gnu::noinline]] constexpr errc ask(u16 address) {
+    template <bool IsFirst, modbus::function Code = modbus::function::read_holding_registers>
+    [[gnu::cold, gnu::noinline]] constexpr errc ask(u16 address) {
         request_machine call = IsFirst ? request_machine::write(true) : request_machine::check();
-        const modbus::frame<8> request = modbus::read_frame<crc>(node_.address, address, 1);
+        modbus::frame<8> request = modbus::read_frame<crc>(node_.address, address, 1);
+        constexpr bool is_bit = Code == modbus::function::read_coils;
+        if constexpr (is_bit) {
+            request.data[1] = static_cast<std::uint8_t>(Code);
+            (void)modbus::close_trusted<crc>(request.data, 5);
+        }
         for (;;) {
-            std::uint8_t response[7];
+            std::uint8_t response[is_bit ? 6 : 7];
             (void)carried(request, response);
             status why;
             if (!call.goes_on(why, node_, false, line_->is_echo_ruled_out()) || !call.is_asking())

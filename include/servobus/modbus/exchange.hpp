@@ -133,6 +133,8 @@ template <crc_engine Crc = default_crc> class basic_exchange : gathering<std::ui
                    servobus::priority = {}) = delete;
 
     constexpr phase state() const { return phase_; }
+    /// Before it is sent: the response is judged as `modbus::like` says, where that is not the request's own function.
+    constexpr void judge_like(std::uint8_t code) { like_ = code; }
     constexpr bool done() const { return phase_ == phase::done; }
     /// True until the request's last bit has left: `ready` or `leaving`.
     constexpr bool is_to_leave() const { return phase_ <= phase::leaving; }

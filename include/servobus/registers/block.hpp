@@ -19,6 +19,9 @@
 
 namespace servobus {
 
+/// Rows as one template argument.
+template <const auto&... Rs> struct rows {};
+
 /// Adjacent registers that one request covers.
 struct extent {
     u16 address = 0; ///< of the first register

@@ -174,8 +174,10 @@ template <const auto& R> class register_value {
 /// Converts the raw bits of register `R` to the value that a read returns; see `reading`.
 template <const auto& R> constexpr auto reading_of(u32 bits) {
     using T = typename row_type<R>::value_type;
-    if constexpr (wire_integer<T> && R.unit_of_count.of != measure::none &&
-                  !has(R.flags, flag::scaled_elsewhere)) {
+    if constexpr (std::is_same_v<T, bool>) { // a coil or a discrete input
+        return bits != 0;
+    } else if constexpr (wire_integer<T> && R.unit_of_count.of != measure::none &&
+                         !has(R.flags, flag::scaled_elsewhere)) {
         return quantity<R.unit_of_count, T>{from_bits<T>(bits)};
     } else {
         return from_bits<T>(bits);

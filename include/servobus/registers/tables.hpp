@@ -72,4 +72,16 @@ inline constexpr table table_of = detail::table_of_row<std::remove_cvref_t<declt
 template <const auto& R>
 concept is_bit = detail::is_bit_row<std::remove_cvref_t<decltype(R)>>;
 
+namespace detail {
+template <const auto& R>
+requires is_bit<R>
+struct sound_row<R> {
+    using type = std::remove_cvref_t<decltype(R)>;
+}; // no address of a bit contradicts its type
+
+template <const auto& R>
+concept is_in_other_table = table_of<R>
+!= table::holding_registers;
+} // namespace detail
+
 } // namespace servobus

@@ -1,0 +1,38 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// What is written to a coil: true or false, and nothing that converts to it. client/client.hpp includes it.
+//
+//     const register_value<tank::valve> open{true}; // tank::valve: a coil
+//     static_assert(open.bits() == 1);
+#pragma once
+
+#include <type_traits>
+
+#include <servobus/registers/register_value.hpp>
+#include <servobus/registers/tables.hpp>
+
+namespace servobus {
+
+/// A value to be written to coil `R`. A number does not compile: a coil is FF00h or 0000h on the line, and neither 1
+/// nor 2 says which.
+template <const auto& R>
+requires is_bit<R>
+class register_value<R> {
+    static_assert(table_of<R> == table::coils && row_type<R>::rights != access::ro, "this bit is read-only");
+
+  public:
+    using value_type = bool;
+
+    template <class Bool> constexpr register_value(Bool on) : on_{static_cast<bool>(on)} { // NOLINT: implicit
+        static_assert(std::is_same_v<Bool, bool>, "a coil is written as true or false");
+    }
+
+    static constexpr errc error() { return errc::ok; }
+    constexpr u32 bits() const { return on_ ? 1 : 0; }
+
+  private:
+    bool on_;
+};
+
+} // namespace servobus
