@@ -14,6 +14,7 @@
 #include <cstddef>
 #include <cstdint>
 
+#include <servobus/client/detail/row_rules.hpp>
 #include <servobus/client/detail/table_client.hpp>
 #include <servobus/client/raw_client.hpp>
 #include <servobus/registers/block.hpp>
@@ -144,7 +145,7 @@ class client : public detail::table_client<Line, Device, Node> {
     template <const auto& R>
     requires is_bit<R>
     constexpr status write(register_value<R> value) {
-        check_coils<R>();
+        detail::check_coils<Device, R>();
         return raw::write_coil(R.address, value.bits() != 0);
     }
 
@@ -152,10 +153,14 @@ class client : public detail::table_client<Line, Device, Node> {
     template <const auto&... Rs>
     requires(sizeof...(Rs) > 1) [[gnu::always_inline]] constexpr status write(register_value<Rs>... values) {
         (check_wear<Rs>(), ...);
-        if constexpr ((is_bit<Rs> || ...))
-            return write_coils_of<Rs...>(values...);
-        else
+        if constexpr ((is_bit<Rs> || ...)) {
+            using plan = detail::coils_plan<Device, Rs...>;
+            std::uint8_t frame[plan::room];
+            plan::put(frame, values...);
+            return raw::write_coils(frame, plan::rows[0].address, plan::count);
+        } else {
             return write_block<Rs...>(values...);
+        }
     }
 
     /// Sets the bits of `Mask` in one register to those of `value`, function 16h; the device keeps the others. Never
@@ -163,21 +168,29 @@ class client : public detail::table_client<Line, Device, Node> {
     template <const auto& R, u16 Mask>
     requires is_register<R>
     constexpr status change_bits(u16 value) {
-        using row = row_type<R>;
-        check_row<R>();
-        check_mask<R, Mask>();
-        static_assert(row::words == 1 && R.limits.low <= 0 &&
-                          R.limits.high >= detail::shape_of<typename row::value_type>.high,
-                      "function 16h could take this register out of its range");
+        detail::check_mask<Device, R, Mask>();
         return raw::write_masked(R.address, static_cast<u16>(~Mask), static_cast<u16>(value & Mask));
     }
 
     /// Writes the adjacent registers `Ws`, then reads the adjacent registers of `Reads`, which is `rows<Rs...>`, in one
     /// transaction: function 17h. Never repeated. Errors: as of a write.
-    template <class Reads, const auto&... Ws>
-    [[gnu::always_inline]] constexpr auto write_then_read(register_value<Ws>... values) {
-        check_device<Ws...>();
-        return write_then_read_of<Ws...>(Reads{}, values...);
+    template <class Reads, const auto&... Ws> constexpr auto write_then_read(register_value<Ws>... values) {
+        using plan = detail::both_plan<Device, Reads, Ws...>;
+        plan::check();
+        result<typename plan::values> read{status{}};
+        std::uint8_t request[plan::request];
+        std::uint8_t response[plan::response];
+        status why{store_values(request, 11, values...)};
+        if (plan::has_pairs && current_word_order() == word_order::unknown) why = errc::needs_word_order;
+        if (why.error() == errc::ok)
+            why = raw::write_and_read(request, plan::first_written, plan::read, response);
+        if (why.error() == errc::ok) {
+            words_view{bytes{response}.subspan(3)}.copy_to(read->words());
+            read->set_word_order(node_.word_order);
+        } else {
+            read.fail(why);
+        }
+        return read;
     }
 
     /// Writes registers that the device keeps in its EEPROM. Each write wears it: for set-up, not for repeated
@@ -261,47 +274,16 @@ class client : public detail::table_client<Line, Device, Node> {
     template <const auto& R>
     requires is_bit<R>
     constexpr status broadcast(register_value<R> value) {
-        check_coils<R>();
+        detail::check_coils<Device, R>();
         return raw::template write_coil<true>(R.address, value.bits() != 0);
     }
 
   private:
-    template <const auto& R> static constexpr void check_row() {
-        static_assert(belongs_to<typename row_type<R>::device, Device>,
-                      "this register belongs to another device");
-    }
+    template <const auto& R> static constexpr void check_row() { detail::check_device<Device, R>(); }
     template <const auto&... Rs> static constexpr void check_device() {
-        static_assert((belongs_to<typename row_type<Rs>::device, Device> && ...),
-                      "this register belongs to another device");
+        detail::check_device<Device, Rs...>();
     }
-
-    template <const auto& R> static constexpr void check_wear() {
-        static_assert(!has(R.flags, flag::saved_on_write),
-                      "every write of this register wears the drive's EEPROM: store() it, or write it with "
-                      "what ram_only() gives");
-    }
-
-    template <const auto&... Rs> static constexpr void check_coils() {
-        check_device<Rs...>();
-        (check_wear<Rs>(), ...);
-        static_assert(!(has(Rs.flags, flag::communication) || ...),
-                      "a coil that changes a setting of the line is written by transact()");
-    }
-    template <const auto& R, u16 Mask> static constexpr void check_mask() {
-        check_wear<R>();
-        static_assert(table_of<R> == table::holding_registers && row_type<R>::rights == access::rw,
-                      "function 16h changes holding registers that can be read and written");
-        static_assert(Mask != 0, "a change of no bit");
-        check_no_setting<R>();
-    }
-    // What a client has learned of its node would be stale.
-    template <const auto& R> static constexpr void check_no_setting() {
-        static_assert(!has(R.flags, flag::communication) &&
-                          R.address != no_setting(Device::facts.word_order_register) &&
-                          R.address != no_setting(Device::facts.eeprom_switch),
-                      "a setting of the line, of the word order or of the memory is written by write()");
-    }
-    static constexpr std::uint32_t no_setting(u16 address) { return address == 0 ? 0x1'0000u : address; }
+    template <const auto& R> static constexpr void check_wear() { detail::check_wear<R>(); }
 
     template <const auto& R> constexpr status put(register_value<R> value, const condition& on = {}) {
         check_row<R>();
@@ -332,10 +314,7 @@ class client : public detail::table_client<Line, Device, Node> {
     }
 
     template <const auto& R> constexpr result<reading<R>> read_at(u16 address) {
-        constexpr bool is_input = table_of<R> == table::input_registers;
-        constexpr auto code =
-            is_input ? modbus::function::read_input_registers : modbus::function::read_holding_registers;
-        const result<u32> bits = read_bits<row_type<R>::words, code>(address);
+        const result<u32> bits = read_bits<row_type<R>::words, detail::register_code<R>>(address);
         if (!bits) return bits.status();
         return reading_of<R>(*bits);
     }
@@ -407,52 +386,6 @@ class client : public detail::table_client<Line, Device, Node> {
         } else {
             return raw::template write_one<IsBroadcast, AsksFirst>(address, static_cast<u16>(bits), on);
         }
-    }
-
-    template <const auto&... Rs>
-    [[gnu::always_inline]] constexpr status write_coils_of(register_value<Rs>... values) {
-        static_assert((is_bit<Rs> && ...), "a write has rows of one table");
-        check_coils<Rs...>();
-        constexpr extent rows[]{{Rs.address, 1}...};
-        static_assert(detail::are_adjacent(rows, sizeof...(Rs)),
-                      "a write of several coils is one frame: they must be adjacent and in address order");
-        static_assert(sizeof...(Rs) <= modbus::max_write_bits, "a frame has room for 1968 coils");
-        std::uint8_t frame[9 + modbus::bytes_of_bits(sizeof...(Rs))]{}; // with zeros behind the last coil
-        std::size_t i = 0;
-        const auto put = [&](bool is_on) {
-            frame[7 + i / 8] = static_cast<std::uint8_t>(frame[7 + i / 8] | (is_on ? 1u : 0u) << i % 8);
-            ++i;
-        };
-        (put(values.bits() != 0), ...);
-        return raw::write_coils(frame, rows[0].address, sizeof...(Rs));
-    }
-
-    template <const auto&... Ws, const auto&... Rs>
-    constexpr result<readings<Rs...>> write_then_read_of(rows<Rs...>, const register_value<Ws>&... values) {
-        using written = write_plan<Ws...>;
-        constexpr const auto& plan = readings<Rs...>::plan;
-        check_device<Rs...>();
-        (check_wear<Ws>(), ...);
-        (check_no_setting<Ws>(), ...);
-        static_assert(((table_of<Ws> == table::holding_registers) && ...) &&
-                          ((table_of<Rs> == table::holding_registers) && ...),
-                      "function 17h is for holding registers");
-        static_assert(plan.count == 1, "function 17h reads adjacent registers");
-        static_assert(written::words <= 121, "function 17h writes at most 121 registers");
-        result<readings<Rs...>> got{status{}};
-        std::uint8_t request[13 + 2 * written::words];
-        std::uint8_t response[5 + 2 * plan.words];
-        const errc wrong = store_values(request, 11, values...);
-        const status why = wrong != errc::ok ? status{wrong}
-                                             : raw::write_and_read(request, written::rows[0].address,
-                                                                   plan.requests[0], response);
-        if (why.error() == errc::ok) {
-            words_view{bytes{response}.subspan(3)}.copy_to(got->words());
-            got->set_word_order(current_word_order());
-        } else {
-            got.fail(why);
-        }
-        return got;
     }
 
     template <const auto&... Rs>

@@ -17,6 +17,7 @@
 
 #include <servobus/client/client.hpp>
 #include <servobus/client/detail/stepped_request.hpp>
+#include <servobus/client/stepped_tables.hpp>
 
 namespace servobus {
 
@@ -40,7 +41,9 @@ class stepped_read<Client, R> : public detail::stepped_request<typename Client::
 
     /// Begins to read. Errors: `busy` while a read is under way, which goes on; `needs_word_order`;
     /// `bad_argument`.
-    constexpr errc begin() { return base::template begin_value<row::words>(frame_, R.address); }
+    constexpr errc begin() {
+        return base::template begin_value<row::words>(frame_, R.address, detail::register_code<R>);
+    }
     /// Moves on without waiting. Returns the time within which nothing happens unless a byte comes.
     constexpr duration step() { return base::move_on(frame_); }
     /// The value that was read, or why there is none: the errors of `Client::read`, `busy` while the read is
@@ -72,7 +75,8 @@ class stepped_read<Client, Rows> : public detail::stepped_request<typename Clien
     constexpr errc begin(std::size_t index) {
         if (!base::done()) return errc::busy;
         if (index >= rows::size) return base::refused(errc::bad_argument);
-        return base::template begin_value<rows::words>(frame_, Rows[index].address);
+        return base::template begin_value<rows::words>(frame_, Rows[index].address,
+                                                       detail::register_code<Rows>);
     }
     constexpr duration step() { return base::move_on(frame_); } ///< as of one register
     constexpr result<reading<at<Rows, 0>>> value() const {      ///< as of one register
@@ -87,7 +91,7 @@ class stepped_read<Client, Rows> : public detail::stepped_request<typename Clien
 
 /// Reads several registers in the fewest requests. If one request fails there is no value at all.
 template <class Client, const auto&... Rs>
-requires(sizeof...(Rs) > 1) class stepped_read<Client, Rs...>
+requires(sizeof...(Rs) > 1 && !(detail::is_in_other_table<Rs> || ...)) class stepped_read<Client, Rs...>
     : public detail::stepped_request<typename Client::link_type> {
     using base = detail::stepped_request<typename Client::link_type>;
     static_assert((belongs_to<typename row_type<Rs>::device, typename Client::device> && ...),

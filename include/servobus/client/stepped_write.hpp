@@ -15,6 +15,7 @@
 
 #include <servobus/client/client.hpp>
 #include <servobus/client/detail/stepped_request.hpp>
+#include <servobus/client/stepped_tables.hpp>
 
 namespace servobus {
 
@@ -99,7 +100,7 @@ class stepped_put<Client, Wears, Rows> : public stepped_request<typename Client:
 };
 
 template <class Client, bool Wears, const auto&... Rs>
-requires(sizeof...(Rs) > 1) class stepped_put<Client, Wears, Rs...>
+requires(sizeof...(Rs) > 1 && !(is_bit<Rs> || ...)) class stepped_put<Client, Wears, Rs...>
     : public stepped_request<typename Client::link_type> {
     using base = stepped_request<typename Client::link_type>;
     using plan = write_plan<Rs...>;
@@ -136,10 +137,54 @@ requires(sizeof...(Rs) > 1) class stepped_put<Client, Wears, Rs...>
   private:
     std::uint8_t frame_[9 + 2 * plan::words];
 };
+
+template <class Client, const auto& R>
+requires is_bit<R>
+class stepped_put<Client, false, R> : public stepped_table_request<typename Client::link_type> {
+    using base = stepped_table_request<typename Client::link_type>;
+
+  public:
+    constexpr explicit stepped_put(Client& of) : base{base::link_of(of)} {}
+
+    /// Begins to write a coil. Errors: `busy` while a write is under way, which goes on; `bad_argument`.
+    constexpr errc begin(register_value<R> value) {
+        check_coils<typename Client::device, R>();
+        return base::begin_coil(frame_, R.address, value.bits() != 0);
+    }
+    constexpr duration step() {
+        return base::template move_on<call_of::tables>(frame_);
+    } ///< as of one register
+
+  private:
+    std::uint8_t frame_[8];
+};
+
+template <class Client, const auto&... Rs>
+requires(sizeof...(Rs) > 1 && (is_bit<Rs> || ...)) class stepped_put<Client, false, Rs...>
+    : public stepped_table_request<typename Client::link_type> {
+    using base = stepped_table_request<typename Client::link_type>;
+    using plan = coils_plan<typename Client::device, Rs...>;
+
+  public:
+    constexpr explicit stepped_put(Client& of) : base{base::link_of(of)} {}
+
+    /// Begins to write adjacent coils in one frame: all or nothing. Errors: as of one coil.
+    constexpr errc begin(register_value<Rs>... values) {
+        if (!base::done()) return errc::busy;
+        plan::put(frame_, values...);
+        return base::begin_coils(frame_, plan::rows[0].address, plan::count);
+    }
+    constexpr duration step() {
+        return base::template move_on<call_of::tables>(frame_);
+    } ///< as of one register
+
+  private:
+    std::uint8_t frame_[plan::room];
+};
 } // namespace detail
 
-/// A stepped `Client::write<Rs...>(values...)`: of one register, of an element of an array of registers, or
-/// of adjacent registers. The client must outlive it; an object that is destroyed gives its write up: see
+/// A stepped `Client::write<Rs...>(values...)`: of one register, of an element of an array of registers, of adjacent
+/// registers, of one coil, or of adjacent coils. The client must outlive it; an object that is destroyed gives its write up: see
 /// `cancel`.
 template <class Client, const auto&... Rs>
 class stepped_write : public detail::stepped_put<Client, false, Rs...> {

@@ -16,6 +16,14 @@
 
 namespace servobus::detail {
 
+/// What a call is about: it decides which request rules out an echo, and how long responses are.
+enum class call_of : std::uint8_t {
+    registers,
+    tables, ///< bits, and reads of several tables: the quantity lies behind request and response
+    masked, ///< function 16h
+    both,   ///< function 17h
+};
+
 /// One call at a time: requests of one node, stepped to their end. `Link` is what the client knows of its node. The
 /// derived call has the memory of the frame, the same for request and response: `read_room` or `write_room` bytes.
 template <class Link> class stepped_request {
@@ -56,6 +64,11 @@ template <class Link> class stepped_request {
         return (words == 1 ? shortest_room : 9 + 2 * words) + (asks_first ? shortest_room : 0);
     }
 
+    /// For a read of any table: of the longer one of request and response, and the quantity behind them.
+    static constexpr std::size_t part_room(std::size_t response) {
+        return (response < shortest_room ? shortest_room : response) + 2;
+    }
+
     [[gnu::noinline]] constexpr explicit stepped_request(Link& of) : link_{&of} {}
     template <class Client> static constexpr Link& link_of(Client& of) { return of.link_for(stepped_key{}); }
 
@@ -69,10 +82,12 @@ template <class Link> class stepped_request {
         return begin(request_machine::read(), frame, 5 + 2 * words, address, static_cast<std::uint8_t>(code));
     }
     /// Reads a value of `Words` words, which `value_in` finds in the frame at the end.
-    template <std::size_t Words> constexpr errc begin_value(std::uint8_t* frame, u16 address) {
+    template <std::size_t Words>
+    constexpr errc begin_value(std::uint8_t* frame, u16 address,
+                               modbus::function code = modbus::function::read_holding_registers) {
         if (!done()) return errc::busy;
         if (const errc why = order_known_if(Words == 2); why != errc::ok) return refused(why);
-        return begin_read(frame, address, Words);
+        return begin_read(frame, address, Words, code);
     }
     template <std::size_t Words> constexpr result<u32> value_in(bytes frame) const {
         if (!status()) return status();
@@ -133,6 +148,9 @@ template <class Link> class stepped_request {
             return std::as_const(*link_).node().word_order;
     }
 
+    /// What a request of function 17h depends on until it leaves.
+    constexpr void set_condition(const condition& on) { condition_ = on; }
+
     /// The call is not begun.
     constexpr errc refused(errc why) {
         status_ = why;
@@ -141,9 +159,9 @@ template <class Link> class stepped_request {
 
     /// Moves the call on without waiting; `frame` is the one that it began with. Returns the time within which nothing
     /// happens unless a byte comes.
-    constexpr duration move_on(std::uint8_t* frame) {
+    template <call_of What = call_of::registers> constexpr duration move_on(std::uint8_t* frame) {
         if (done()) return {};
-        const bool is_writing = machine_.now() == stage::writing;
+        const bool is_writing = What == call_of::both || machine_.now() == stage::writing;
         if (is_writing && exchange_.state() == modbus::exchange::phase::ready) {
             if (const errc why = link_->refusal(condition_);
                 why != errc::ok) { // while it waited for the line
@@ -158,19 +176,36 @@ template <class Link> class stepped_request {
         servobus::status why = exchange_.status();
         // Facts may have been learned anew while the write waited for the line.
         if (is_writing) link_->invalidate(stale_);
-        if (machine_.goes_on(why, node(), code_ == 0x06, link_->line().is_echo_ruled_out()))
-            make_request(frame);
+        const bool repeats = What == call_of::both     ? false
+                             : What == call_of::masked ? true
+                                                       : code_ == (What == call_of::tables ? 0x05 : 0x06);
+        if (machine_.goes_on(why, node(), repeats, link_->line().is_echo_ruled_out()))
+            make_request<What>(frame);
         else
             end(why);
         return {};
     }
 
-  private:
     using crc = typename line_type::crc;
 
     // Const: a stale word order is not dropped.
     constexpr const auto& node() const { return std::as_const(*link_).node(); }
 
+    /// Begins a call whose frame is made. `size`: of the response to a read, else of the request.
+    template <call_of What = call_of::registers>
+    constexpr errc begin(request_machine call, std::uint8_t* frame, std::size_t size, u16 address,
+                         std::uint8_t code) {
+        machine_ = call;
+        if constexpr (What == call_of::tables || What == call_of::masked) condition_ = {};
+        size_ = static_cast<std::uint8_t>(size);
+        address_ = address;
+        code_ = code;
+        status_ = errc::busy;
+        make_request<What>(frame);
+        return errc::ok;
+    }
+
+  private:
     constexpr errc begin_write(std::uint8_t* frame, std::size_t size, const condition& on, bool asks_first) {
         if (!done()) return errc::busy;
         if (!node().is_valid()) return refused(errc::bad_argument);
@@ -179,40 +214,42 @@ template <class Link> class stepped_request {
         return begin(request_machine::write(asks_first && !link_->line().is_echo_ruled_out()), frame, size,
                      load_word(bytes{frame, size}, 2), frame[1]);
     }
-    constexpr errc begin(request_machine call, std::uint8_t* frame, std::size_t size, u16 address,
-                         std::uint8_t code) {
-        machine_ = call;
-        size_ = static_cast<std::uint8_t>(size);
-        address_ = address;
-        code_ = code;
-        status_ = errc::busy;
-        make_request(frame);
-        return errc::ok;
-    }
-
     // Makes the exchange of the request that is next. A response takes the memory of its request.
-    constexpr void make_request(std::uint8_t* at) {
+    template <call_of What> constexpr void make_request(std::uint8_t* at) {
         std::size_t size = size_;
-        std::size_t response = 8;
-        if (machine_.now() == stage::writing) {
-            stale_ = Link::invalidated_by(bytes{at, size});
-            link_->invalidate_before(condition_, stale_);
+        std::size_t response = What == call_of::masked ? 10 : 8;
+        if (What == call_of::both) {
+            stale_ = {}; // it writes no setting
+            response = address_;
+        } else if (machine_.now() == stage::writing) {
+            if constexpr (What == call_of::tables) {
+                stale_ = {}; // no coil is a setting
+            } else {
+                stale_ = Link::invalidated_by(bytes{at, size});
+                link_->invalidate_before(condition_, stale_);
+            }
         } else {
             std::uint8_t code = code_;
             response = size;
+            u16 quantity = 1;
             if (machine_.is_asking()) {
                 if (machine_.now() == stage::asking_first) at += size; // the write is kept
-                code = 3;
-                response = 7;
+                constexpr bool asks_coil = What == call_of::tables;
+                code = asks_coil ? 1 : 3;
+                response = asks_coil ? 6 : 7;
+            } else if constexpr (What == call_of::tables) {
+                quantity = load_word(bytes{at, part_room(size)}, part_room(size) - 2);
             }
+            if constexpr (What != call_of::tables) quantity = static_cast<u16>((response - 5) / 2);
             size = 8;
             const byte_buffer request{at, size};
             request[0] = node().address;
             modbus::put_trusted_request(request.subspan(1), static_cast<modbus::function>(code), address_,
-                                        static_cast<u16>((response - 5) / 2));
+                                        quantity);
             (void)modbus::close_trusted<crc>(request, 5);
         }
         exchange_.restart({at, size}, {at, response}, link_->line().timing(), node().limits, node().priority);
+        if constexpr (What == call_of::both) exchange_.judge_like(modbus::like({at, size}));
     }
 
     constexpr void end(servobus::status why) {

@@ -1,0 +1,114 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// Which rows a client takes for which call. What breaks a rule does not compile, and the error names the rule.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include <servobus/modbus/bits.hpp>
+#include <servobus/registers/block.hpp>
+#include <servobus/registers/coil_value.hpp>
+#include <servobus/registers/tables.hpp>
+
+namespace servobus::detail {
+
+template <class Device, const auto&... Rs> constexpr void check_device() {
+    static_assert((belongs_to<typename row_type<Rs>::device, Device> && ...),
+                  "this register belongs to another device");
+}
+
+template <const auto& R> constexpr void check_wear() {
+    static_assert(!has(R.flags, flag::saved_on_write),
+                  "every write of this register wears the drive's EEPROM: store() it, or write it with "
+                  "what ram_only() gives");
+}
+
+/// The function that reads register `R`, or an array of registers.
+template <const auto& R>
+inline constexpr modbus::function register_code =
+    table_of<R> == table::input_registers ? modbus::function::read_input_registers
+                                          : modbus::function::read_holding_registers;
+
+/// True for a register that a client writes only by `write`, since what it has learned of its node depends on it.
+template <class Device, const auto& R>
+inline constexpr bool is_setting = has(R.flags, flag::communication) ||
+                                   (R.address != 0 && (R.address == Device::facts.word_order_register ||
+                                                       R.address == Device::facts.eeprom_switch));
+
+template <class Device, const auto&... Rs> constexpr void check_coils() {
+    check_device<Device, Rs...>();
+    (check_wear<Rs>(), ...);
+    static_assert(!(has(Rs.flags, flag::communication) || ...),
+                  "a coil that changes a setting of the line is written by transact()");
+}
+
+/// The one frame that writes the coils `Rs`.
+template <class Device, const auto&... Rs> struct coils_plan {
+    static_assert((is_bit<Rs> && ...), "a write has rows of one table");
+    static constexpr extent rows[]{{Rs.address, 1}...};
+    static constexpr u16 count = sizeof...(Rs);
+    static_assert(are_adjacent(rows, count),
+                  "a write of several coils is one frame: they must be adjacent and in address order");
+    static_assert(sizeof...(Rs) <= modbus::max_write_bits, "a frame has room for 1968 coils");
+    static constexpr std::size_t room = 9 + modbus::bytes_of_bits(count);
+
+    /// Stores the bits behind the head of the frame.
+    static constexpr void put(std::uint8_t* frame, const register_value<Rs>&... values) {
+        check_coils<Device, Rs...>();
+        for (std::size_t i = 7; i < room; ++i) frame[i] = 0;
+        std::size_t i = 0;
+        const auto put_one = [&](bool is_on) {
+            frame[7 + i / 8] = static_cast<std::uint8_t>(frame[7 + i / 8] | (is_on ? 1u : 0u) << i % 8);
+            ++i;
+        };
+        (put_one(values.bits() != 0), ...);
+    }
+};
+
+template <class Device, const auto& R, u16 Mask> constexpr void check_mask() {
+    using row = row_type<R>;
+    check_device<Device, R>();
+    check_wear<R>();
+    static_assert(table_of<R> == table::holding_registers && row::rights == access::rw,
+                  "function 16h changes holding registers that can be read and written");
+    static_assert(row::words == 1 && R.limits.low <= 0 &&
+                      R.limits.high >= shape_of<typename row::value_type>.high,
+                  "function 16h could take this register out of its range");
+    static_assert(Mask != 0, "a change of no bit");
+    static_assert(!is_setting<Device, R>,
+                  "a setting of the line, of the word order or of the memory is written "
+                  "by write()");
+}
+
+/// The one transaction of function 17h that writes `Ws` and then reads `Reads`, which is `rows<Rs...>`.
+template <class Device, class Reads, const auto&... Ws> struct both_plan {
+    static_assert(sizeof(Reads) == 0, "what is read is rows<...>");
+};
+template <class Device, const auto&... Rs, const auto&... Ws> struct both_plan<Device, rows<Rs...>, Ws...> {
+    static_assert(((table_of<Ws> == table::holding_registers) && ...) &&
+                      ((table_of<Rs> == table::holding_registers) && ...),
+                  "function 17h is for holding registers");
+    static_assert(!(is_setting<Device, Ws> || ...),
+                  "a setting of the line, of the word order or of the memory is written by write()");
+    static_assert(readings<Rs...>::is_one_frame, "function 17h reads adjacent registers");
+    static constexpr std::size_t words_written = write_plan<Ws...>::words;
+    static_assert(words_written <= 121, "function 17h writes at most 121 registers");
+
+    using values = readings<Rs...>;
+    static constexpr u16 first_written = write_plan<Ws...>::rows[0].address;
+    static constexpr extent read = values::plan.requests[0];
+    static constexpr bool has_pairs = values::has_pairs || ((row_type<Ws>::words == 2) || ...);
+    static constexpr std::size_t request = 13 + 2 * words_written;
+    static constexpr std::size_t response = 5 + 2 * std::size_t{read.words};
+    static constexpr std::size_t room = request < response ? response : request;
+
+    static constexpr void check() {
+        check_device<Device, Rs...>();
+        check_device<Device, Ws...>();
+        (check_wear<Ws>(), ...);
+    }
+};
+
+} // namespace servobus::detail

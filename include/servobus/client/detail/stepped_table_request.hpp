@@ -1,0 +1,88 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// The requests of stepped calls beyond holding registers: rows of the other tables, and functions 16h and 17h.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include <servobus/client/detail/stepped_request.hpp>
+#include <servobus/modbus/bits.hpp>
+#include <servobus/registers/table_readings.hpp>
+
+namespace servobus::detail {
+
+/// One call at a time, as of its base, which moves it on.
+template <class Link> class stepped_table_request : public stepped_request<Link> {
+    using base = stepped_request<Link>;
+
+  protected:
+    constexpr explicit stepped_table_request(Link& of) : base{of} {}
+
+    /// Reads rows of any table. `frame` has `part_room` of the response.
+    constexpr errc begin_part(std::uint8_t* frame, const table_extent& part) {
+        if (const errc no = refusal(); no != errc::ok) return no;
+        const std::size_t size = part.response_size();
+        store_word({frame, base::part_room(size)}, base::part_room(size) - 2, part.quantity);
+        return base::template begin<call_of::tables>(request_machine::read(), frame, size, part.address,
+                                                     part.code());
+    }
+    /// Writes a coil by function 05, or coils whose bits lie in `frame` from its byte 7 on by 0F.
+    constexpr errc begin_coil(std::uint8_t* frame, u16 address, bool is_on) {
+        return begin_bits(frame, 8, modbus::function::write_single_coil, address,
+                          is_on ? modbus::coil_on : modbus::coil_off);
+    }
+    constexpr errc begin_coils(std::uint8_t* frame, u16 address, u16 count) {
+        const std::size_t payload = modbus::bytes_of_bits(count);
+        frame[6] = static_cast<std::uint8_t>(payload);
+        return begin_bits(frame, 9 + payload, modbus::function::write_multiple_coils, address, count);
+    }
+    /// Changes bits of a register by function 16h; `frame` has ten bytes.
+    constexpr errc begin_masked(std::uint8_t* frame, u16 address, u16 and_mask, u16 or_mask) {
+        if (const errc no = refusal(); no != errc::ok) return no;
+        const byte_buffer request{frame, 10};
+        request[0] = base::node().address;
+        modbus::put_trusted_request(request.subspan(1), modbus::function::mask_write_register, address,
+                                    and_mask);
+        store_word(request, 6, or_mask);
+        (void)modbus::close_trusted<typename base::crc>(request, 7);
+        return base::template begin<call_of::masked>(request_machine::write(), frame, 10, address, frame[1]);
+    }
+    /// Writes the words that lie in `frame` from its byte 11 on, and reads `read`, by function 17h.
+    constexpr errc begin_both(std::uint8_t* frame, std::size_t words, u16 write_address, extent read,
+                              const typename base::condition& on) {
+        if (const errc no = refusal(); no != errc::ok) return no;
+        const byte_buffer request{frame, 13 + 2 * words};
+        request[0] = base::node().address;
+        modbus::put_trusted_request(request.subspan(1), modbus::function::read_write_registers, read.address,
+                                    read.words);
+        store_word(request, 6, write_address);
+        store_word(request, 8, static_cast<u16>(words));
+        request[10] = static_cast<std::uint8_t>(2 * words);
+        (void)modbus::close_trusted<typename base::crc>(request, request.size() - 3);
+        base::set_condition(on);
+        // The address is in the request; its place has the length of the response.
+        return base::template begin<call_of::both>(request_machine::transaction(), frame, request.size(),
+                                                   static_cast<u16>(5 + 2 * read.words), frame[1]);
+    }
+
+  private:
+    // The error with which a call cannot begin.
+    constexpr errc refusal() {
+        if (!base::done()) return errc::busy;
+        return base::node().is_valid() ? errc::ok : base::refused(errc::bad_argument);
+    }
+    constexpr errc begin_bits(std::uint8_t* frame, std::size_t size, modbus::function code, u16 address,
+                              u16 quantity_or_value) {
+        if (const errc no = refusal(); no != errc::ok) return no;
+        const byte_buffer request{frame, size};
+        request[0] = base::node().address;
+        modbus::put_trusted_request(request.subspan(1), code, address, quantity_or_value);
+        (void)modbus::close_trusted<typename base::crc>(request, size - 3);
+        return base::template begin<call_of::tables>(request_machine::write(), frame, size, address,
+                                                     frame[1]);
+    }
+};
+
+} // namespace servobus::detail

@@ -1,0 +1,182 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// Stepped calls for rows of all four tables, and for functions 16h and 17h. client/stepped_read.hpp and
+// client/stepped_write.hpp include it.
+//
+//     stepped_write<decltype(io), tank::valve> open{io}; // io: a client, tank::valve: a coil
+//     if (open.begin(true) != errc::ok) return 1;
+//     while (!open.done()) open.step(); // instead: step() in each iteration of your main loop
+//     if (!open.status()) return 1;
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include <servobus/client/client.hpp>
+#include <servobus/client/detail/stepped_table_request.hpp>
+
+namespace servobus {
+
+template <class Client, const auto&... Rs> class stepped_read;
+
+/// Reads one coil or discrete input.
+template <class Client, const auto& R>
+requires is_bit<R>
+class stepped_read<Client, R> : public detail::stepped_table_request<typename Client::link_type> {
+    using base = detail::stepped_table_request<typename Client::link_type>;
+    static_assert(belongs_to<typename row_type<R>::device, typename Client::device>,
+                  "this register belongs to another device");
+    static_assert(row_type<R>::rights != access::wo, "this coil is write-only");
+
+  public:
+    constexpr explicit stepped_read(Client& of) : base{base::link_of(of)} {}
+
+    constexpr errc begin() {
+        return base::begin_part(frame_, {table_of<R>, R.address, 1, 0});
+    } ///< as of a register
+    constexpr duration step() {
+        return base::template move_on<detail::call_of::tables>(frame_);
+    } ///< as of a register
+    /// Whether it is on, or why that is not known: the errors of `Client::read`.
+    constexpr result<bool> value() const {
+        if (!base::status()) return base::status();
+        if (frame_[3] > 1) return errc::unexpected_value;
+        return frame_[3] == 1;
+    }
+
+  private:
+    std::uint8_t frame_[base::part_room(6)];
+};
+
+/// Reads rows of several tables in the fewest requests. If one request fails there is no value at all.
+template <class Client, const auto&... Rs>
+requires(sizeof...(Rs) > 1 && (detail::is_in_other_table<Rs> || ...)) class stepped_read<Client, Rs...>
+    : public detail::stepped_table_request<typename Client::link_type> {
+    using base = detail::stepped_table_request<typename Client::link_type>;
+    using values = readings<Rs...>;
+    static_assert((belongs_to<typename row_type<Rs>::device, typename Client::device> && ...),
+                  "this register belongs to another device");
+    static constexpr const auto& plan = values::plan;
+
+  public:
+    constexpr explicit stepped_read(Client& of) : base{base::link_of(of)} {}
+
+    constexpr errc begin() { ///< as of a register
+        if (!base::done()) return errc::busy;
+        if (const errc why = base::order_known_if(values::has_pairs); why != errc::ok)
+            return base::refused(why);
+        next_ = 0;
+        return base::begin_part(frame_, plan.requests[0]);
+    }
+    constexpr duration step() { ///< as of a register
+        if (base::done()) return {};
+        const duration idle = base::template move_on<detail::call_of::tables>(frame_);
+        if (!base::done() || !base::status()) return idle;
+        const table_extent& part = plan.requests[next_];
+        const word_order order = base::order_at_end();
+        if (!values_.take(next_, bytes{frame_}.subspan(3, part.size())))
+            (void)base::refused(errc::unexpected_value);
+        else if (values::has_pairs && !Client::link_type::is_one_order(next_, order_, order))
+            (void)base::refused(errc::needs_word_order);
+        else if (++next_ < plan.count)
+            (void)base::begin_part(frame_, plan.requests[next_]);
+        order_ = order;
+        return {};
+    }
+    /// The values that were read, or why there are none. A row's value is taken out by `get`.
+    constexpr result<values> value() const {
+        result<values> read{servobus::status{}};
+        if (const auto why = base::status(); !why) {
+            read.fail(why);
+        } else if (values::has_pairs && order_ == word_order::unknown) {
+            read.fail(errc::needs_word_order);
+        } else {
+            read = values_;
+            read->set_word_order(order_);
+        }
+        return read;
+    }
+
+  private:
+    values values_{};
+    std::uint8_t next_ = 0; // request
+    word_order order_ = word_order::unknown;
+    std::uint8_t frame_[base::part_room(plan.longest_response)];
+};
+
+/// Changes bits of a register: a stepped `Client::change_bits<R, Mask>(value)`.
+template <class Client, const auto& R, u16 Mask>
+class stepped_change_bits : public detail::stepped_table_request<typename Client::link_type> {
+    using base = detail::stepped_table_request<typename Client::link_type>;
+
+  public:
+    constexpr explicit stepped_change_bits(Client& of) : base{base::link_of(of)} {}
+
+    /// Begins to set the bits of `Mask` to those of `value`. Errors: `busy`, `bad_argument`.
+    constexpr errc begin(u16 value) {
+        detail::check_mask<typename Client::device, R, Mask>();
+        return base::begin_masked(frame_, R.address, static_cast<u16>(~Mask), static_cast<u16>(value & Mask));
+    }
+    constexpr duration step() {
+        return base::template move_on<detail::call_of::masked>(frame_);
+    } ///< as of a write
+
+  private:
+    std::uint8_t frame_[10];
+};
+
+/// A stepped `Client::write_then_read<Reads, Ws...>(values...)`: writes, then reads, in one transaction.
+template <class Client, class Reads, const auto&... Ws>
+class stepped_write_then_read : public detail::stepped_table_request<typename Client::link_type> {
+    using base = detail::stepped_table_request<typename Client::link_type>;
+    using plan = detail::both_plan<typename Client::device, Reads, Ws...>;
+    using result_type = result<typename plan::values>;
+
+  public:
+    constexpr explicit stepped_write_then_read(Client& of) : base{base::link_of(of)} {}
+
+    /// Begins to write the registers `Ws`, and to read those of `Reads` after that. Errors: as of a write.
+    constexpr errc begin(register_value<Ws>... values) {
+        plan::check();
+        if (!base::done()) return errc::busy;
+        typename base::condition on;
+        word_order order = word_order::high_first;
+        if constexpr (plan::has_pairs) {
+            order = base::current_order();
+            if (order == word_order::unknown) return base::refused(errc::needs_word_order);
+            on.use(order);
+        }
+        std::size_t used = 11;
+        errc wrong = errc::ok;
+        const auto put = [&](const auto& value, std::size_t words) {
+            if (value.error() != errc::ok && wrong == errc::ok) wrong = value.error();
+            used += base::store_value(frame_, used, value.bits(), words, order);
+        };
+        (put(values, row_type<Ws>::words), ...);
+        if (wrong != errc::ok) return base::refused(wrong);
+        return base::begin_both(frame_, plan::words_written, plan::first_written, plan::read, on);
+    }
+    constexpr duration step() {
+        return base::template move_on<detail::call_of::both>(frame_);
+    } ///< as of a write
+    /// The values that were read after the write, or why there are none.
+    constexpr result_type value() const {
+        result_type read{servobus::status{}};
+        const word_order order = base::order_at_end();
+        if (const auto why = base::status(); !why) {
+            read.fail(why);
+        } else if (plan::values::has_pairs && order == word_order::unknown) {
+            read.fail(errc::needs_word_order);
+        } else {
+            words_view{bytes{frame_}.subspan(3, std::size_t{2} * plan::read.words)}.copy_to(read->words());
+            read->set_word_order(order);
+        }
+        return read;
+    }
+
+  private:
+    std::uint8_t frame_[plan::room];
+};
+
+} // namespace servobus
