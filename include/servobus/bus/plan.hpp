@@ -45,7 +45,8 @@ template <class... Entries> class poll_plan {
     static constexpr std::size_t words = entries::words; ///< that all cyclic reads have
     static constexpr std::size_t response_room = entries::longest_response;
     static constexpr bool has_pairs = entries::reads_with_pairs != 0; ///< a read has 32-bit values
-    static constexpr const auto& offsets = entries::of_reads;         ///< where the words of each read begin
+    static constexpr bool has_other_tables = entries::reads_of_other_tables != 0; ///< than holding registers
+    static constexpr const auto& offsets = entries::of_reads; ///< where the words of each read begin
     /// The values of read number `I`, and the model of drive number `I`, in the order of the plan.
     template <std::size_t I> using values = typename entries::template read<I>::values;
     template <std::size_t I> using model = typename entries::template drive<I>;

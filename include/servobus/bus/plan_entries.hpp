@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// The entries of a plan: drives with a facade, registers that are read again and again, the program's own requests,
+// The entries of a plan: drives with a facade, rows that are read again and again, the program's own requests,
 // and when a node counts as absent. bus/plan.hpp includes it.
 //
 //     constexpr auto wheels_entry = controlled(
@@ -18,6 +18,7 @@
 #include <servobus/control/scheduling.hpp>
 #include <servobus/control/supervision.hpp>
 #include <servobus/registers/block.hpp>
+#include <servobus/registers/table_readings.hpp>
 
 namespace servobus {
 
@@ -26,7 +27,7 @@ inline constexpr duration longest_period = milliseconds(1'800'000);
 
 namespace detail {
 // Not constexpr on purpose: a plan that calls one does not compile, and the error names the rule.
-inline void a_cyclic_read_is_one_frame_of_adjacent_registers() {}
+inline void a_cyclic_read_is_one_frame_of_adjacent_registers() {} // or bits, of one table
 inline void a_cyclic_read_has_a_period_of_half_an_hour_at_most() {}
 inline void requests_have_a_period_of_half_an_hour_at_most() {}
 inline void a_request_has_1_to_125_registers() {}
@@ -36,16 +37,31 @@ inline void a_node_of_a_plan_has_an_address_that_its_device_can_have() {}
 /// A cyclic read as the bus sees it: one request to one node.
 struct poll {
     std::uint8_t node_address = 0;
+    std::uint8_t code = 0x03; ///< 01..04: of the table
     std::uint16_t address = 0;
-    std::uint16_t words = 0;
+    std::uint16_t quantity = 0; ///< registers or bits
+    std::uint16_t words = 0;    ///< that the bus keeps of it
     duration period{};
     duration keep_alive{}; ///< the node's own watchdog; 0: none
     servobus::word_order word_order = word_order::high_first;
     response_limits limits{};
     bus_gaps gaps{};
 
-    constexpr std::size_t response_size() const { return 5u + 2u * words; }
+    constexpr std::size_t response_size() const {
+        return 5u + (code <= 0x02 ? (quantity + 7u) / 8u : 2u * words);
+    }
 };
+
+namespace detail {
+/// The request of a cyclic read, whatever its table.
+template <const auto&... Rs> consteval table_extent request_of() {
+    const auto& plan = readings<Rs...>::plan;
+    if constexpr ((is_in_other_table<Rs> || ...))
+        return plan.requests[0];
+    else
+        return {table::holding_registers, plan.requests[0].address, plan.words, 0};
+}
+} // namespace detail
 
 /// A cyclic read of `Rs`, which come in one frame, and so belong to one moment.
 template <const auto&... Rs> struct cyclic_read : poll {
@@ -69,10 +85,12 @@ consteval cyclic_read<Rs...> cyclic(const node<Device>& at, duration period) {
     if (period == duration{} || period > longest_period)
         detail::a_cyclic_read_has_a_period_of_half_an_hour_at_most();
     if (!at.is_valid()) detail::a_node_of_a_plan_has_an_address_that_its_device_can_have();
-    const auto& plan = readings<Rs...>::plan;
+    constexpr table_extent request = detail::request_of<Rs...>();
     return {{.node_address = at.address,
-             .address = plan.requests[0].address,
-             .words = plan.words,
+             .code = request.code(),
+             .address = request.address,
+             .quantity = request.quantity,
+             .words = static_cast<std::uint16_t>((request.size() + 1) / 2),
              .period = period,
              .word_order = at.word_order,
              .limits = at.limits,

@@ -126,6 +126,10 @@ requires(detail::is_in_other_table<Rs> || ...) class readings<Rs...> {
     static constexpr bool has_pairs = (detail::is_pair<Rs>() || ...);
 
     constexpr readings() { clear(); }
+    constexpr explicit readings(word_order order) {
+        set_word_order(order);
+        clear();
+    }
     constexpr void clear() {
         for (std::uint8_t& byte : data_) {
             byte = 0;

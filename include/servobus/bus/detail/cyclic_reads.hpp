@@ -97,8 +97,15 @@ template <const auto& Plan, class Line, class... Drives> class cyclic_reads {
     constexpr result<Values> latest_of(std::size_t i, std::size_t offset, duration oldest) const {
         if (const status why = why_not(i, oldest, Values::has_pairs); !why) return why;
         Values v{taken_in(i)};
-        const auto words = v.words();
-        for (std::size_t k = 0; k < words.size(); ++k) words[k] = words_[offset + k];
+        if constexpr (requires { v.words(); }) {
+            const auto words = v.words();
+            for (std::size_t k = 0; k < words.size(); ++k) words[k] = words_[offset + k];
+        } else {
+            std::uint8_t data[Values::plan.bytes];
+            for (std::size_t k = 0; k < sizeof data; ++k)
+                data[k] = static_cast<std::uint8_t>(words_[offset + k / 2] >> (k % 2 == 0 ? 8 : 0));
+            (void)v.take(0, data);
+        }
         return v;
     }
     constexpr void use_word_order([[maybe_unused]] std::size_t i, [[maybe_unused]] word_order order) {
@@ -233,24 +240,39 @@ template <const auto& Plan, class Line, class... Drives> class cyclic_reads {
         const poll& p = Plan.polls[i];
         request_[0] = p.node_address;
         const byte_buffer pdu = byte_buffer{request_}.subspan(1);
-        modbus::put_trusted_request(pdu, modbus::function::read_holding_registers, p.address, p.words);
+        std::size_t response = 5u + 2u * p.words;
+        auto code = modbus::function::read_holding_registers;
+        if constexpr (Plan.has_other_tables) {
+            code = static_cast<modbus::function>(p.code);
+            response = p.response_size();
+        }
+        modbus::put_trusted_request(pdu, code, p.address, Plan.has_other_tables ? p.quantity : p.words);
         exchange_.restart(modbus::close_trusted<modbus::exchange::crc>(request_, 5),
-                          byte_buffer{response_}.first(p.response_size()), line_->timing(), p.limits,
+                          byte_buffer{response_}.first(response), line_->timing(), p.limits,
                           priority::planned);
         reading_ = i;
     }
     constexpr void conclude() {
         state& s = states_[reading_];
         s.why = exchange_.status();
+        if constexpr (Plan.has_other_tables) {
+            if (s.why.error() == errc::ok && !has_zero_padding())
+                s.why = status::sent(errc::unexpected_value);
+        }
         if (s.why.error() == errc::ok) {
             const std::size_t at = Plan.offset_of(reading_);
-            for (std::size_t i = 0; i < exchange_.words().size(); ++i) words_[at + i] = exchange_.words()[i];
+            if (Plan.has_other_tables && Plan.polls[reading_].code <= 0x02) {
+                keep_bits(at);
+            } else {
+                for (std::size_t i = 0; i < exchange_.words().size(); ++i)
+                    words_[at + i] = exchange_.words()[i];
+            }
             s.taken = line_->began_at();
             if constexpr (Plan.has_pairs) s.order.taken_in = order_of(reading_);
             s.has_values = true;
             ++s.count;
         }
-        if (s.why.has_response()) {
+        if (exchange_.status().has_response()) {
             s.failures = 0;
         } else if (s.failures < Plan.rules().failures) {
             ++s.failures;
@@ -258,6 +280,21 @@ template <const auto& Plan, class Line, class... Drives> class cyclic_reads {
         // A read that took longer than its period goes after those that became due meanwhile.
         if (const instant now = line_->now(); !went_back(s.due, now)) s.due = now;
         reading_ = none;
+    }
+
+    // The standard demands zeros behind the last bit of a response.
+    constexpr bool has_zero_padding() const {
+        const poll& p = Plan.polls[reading_];
+        const unsigned used = p.quantity % 8u;
+        return p.code > 0x02 || used == 0 || response_[p.response_size() - 3] >> used == 0;
+    }
+    // Two bytes of bits are kept as a word, the first one high.
+    constexpr void keep_bits(std::size_t at) {
+        const bytes bits = bytes{response_}.subspan(3, Plan.polls[reading_].response_size() - 5);
+        for (std::size_t i = 0; i < bits.size(); i += 2) {
+            const unsigned low = i + 1 < bits.size() ? bits[i + 1] : 0u;
+            words_[at + i / 2] = static_cast<std::uint16_t>(bits[i] << 8 | low);
+        }
     }
 
     static constexpr std::size_t at_least_one(std::size_t n) { return n == 0 ? 1 : n; }

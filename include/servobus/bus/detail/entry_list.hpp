@@ -24,7 +24,11 @@ inline constexpr bool is_entry =
 
 template <class T> inline constexpr std::size_t words_of_entry = 0;
 template <const auto&... Rs>
-inline constexpr std::size_t words_of_entry<cyclic_read<Rs...>> = readings<Rs...>::plan.words;
+inline constexpr std::size_t words_of_entry<cyclic_read<Rs...>> = (request_of<Rs...>().size() + 1) / 2;
+
+template <class T> inline constexpr bool is_of_other_table = false;
+template <const auto&... Rs>
+inline constexpr bool is_of_other_table<cyclic_read<Rs...>> = (is_in_other_table<Rs> || ...);
 
 template <class T> inline constexpr bool has_pairs = false;
 template <const auto&... Rs> inline constexpr bool has_pairs<cyclic_read<Rs...>> = readings<Rs...>::has_pairs;
@@ -60,6 +64,7 @@ template <class... Entries> struct entry_list {
     static constexpr std::size_t drives = count(drive_kinds);
     static constexpr std::size_t requested = count({is_requested<Entries>..., false});
     static constexpr std::size_t rules = count({std::is_same_v<Entries, back_off>..., false});
+    static constexpr std::size_t reads_of_other_tables = count({is_of_other_table<Entries>..., false});
     static constexpr std::size_t reads_with_pairs = count({has_pairs<Entries>..., false});
     static constexpr std::size_t words = [] {
         std::size_t sum = 0;
