@@ -24,6 +24,7 @@
 #include <servobus/modbus/server.hpp>
 #include <servobus/posix/pseudo_terminal.hpp>
 #include <servobus/registers/tables.hpp>
+#include <servobus/any_device.hpp>
 
 using namespace servobus;
 

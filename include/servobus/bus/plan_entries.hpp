@@ -18,7 +18,6 @@
 #include <servobus/control/scheduling.hpp>
 #include <servobus/control/supervision.hpp>
 #include <servobus/registers/block.hpp>
-#include <servobus/registers/table_readings.hpp>
 
 namespace servobus {
 
@@ -53,13 +52,21 @@ struct poll {
 };
 
 namespace detail {
-/// The request of a cyclic read, whatever its table.
-template <const auto&... Rs> consteval table_extent request_of() {
+/// Where a cyclic read finds its rows.
+struct cyclic_request {
+    std::uint8_t code;
+    std::uint16_t address;
+    std::uint16_t quantity;
+    std::uint16_t words; // that hold its data
+};
+template <const auto&... Rs> consteval cyclic_request request_of() {
     const auto& plan = readings<Rs...>::plan;
+    const auto& first = plan.requests[0];
     if constexpr ((is_in_other_table<Rs> || ...))
-        return plan.requests[0];
+        return {first.code(), first.address, first.quantity,
+                static_cast<std::uint16_t>((first.size() + 1) / 2)};
     else
-        return {table::holding_registers, plan.requests[0].address, plan.words, 0};
+        return {0x03, first.address, plan.words, plan.words};
 }
 } // namespace detail
 
@@ -85,12 +92,12 @@ consteval cyclic_read<Rs...> cyclic(const node<Device>& at, duration period) {
     if (period == duration{} || period > longest_period)
         detail::a_cyclic_read_has_a_period_of_half_an_hour_at_most();
     if (!at.is_valid()) detail::a_node_of_a_plan_has_an_address_that_its_device_can_have();
-    constexpr table_extent request = detail::request_of<Rs...>();
+    constexpr detail::cyclic_request request = detail::request_of<Rs...>();
     return {{.node_address = at.address,
-             .code = request.code(),
+             .code = request.code,
              .address = request.address,
              .quantity = request.quantity,
-             .words = static_cast<std::uint16_t>((request.size() + 1) / 2),
+             .words = request.words,
              .period = period,
              .word_order = at.word_order,
              .limits = at.limits,

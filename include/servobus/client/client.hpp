@@ -14,13 +14,9 @@
 #include <cstddef>
 #include <cstdint>
 
-#include <servobus/client/detail/row_rules.hpp>
-#include <servobus/client/detail/table_client.hpp>
 #include <servobus/client/raw_client.hpp>
 #include <servobus/registers/block.hpp>
-#include <servobus/registers/coil_value.hpp>
 #include <servobus/registers/register_value.hpp>
-#include <servobus/registers/table_readings.hpp>
 
 namespace servobus {
 
@@ -29,6 +25,12 @@ namespace detail {
 struct short_request {
     std::uint8_t all[8];
 };
+/// The calls for rows of the other tables and for functions 16h and 17h: any_device.hpp has them.
+template <class Client> struct table_calls {
+    static_assert(sizeof(Client) == 0,
+                  "for coils, inputs and functions 16h and 17h include servobus/any_device.hpp");
+};
+
 template <class Node, u16 Address, u16 Words, modbus::crc_engine Crc>
 inline constexpr auto read_request = [] {
     const auto frame = modbus::read_frame<Crc>(Node::address, Address, Words);
@@ -41,8 +43,8 @@ inline constexpr auto read_request = [] {
 /// A client of one node on a line. Not thread-safe; the line is shared by the clients of one thread.
 /// Registers without a row are reached by their addresses, as in a `raw_client`.
 template <class Line, device_class Device, class Node = node<Device>>
-class client : public detail::table_client<Line, Device, Node> {
-    using raw = detail::table_client<Line, Device, Node>;
+class client : public raw_client<Line, Device, Node> {
+    using raw = raw_client<Line, Device, Node>;
     using raw::current_word_order;
     using raw::line_;
     using raw::loses_word_order;
@@ -53,6 +55,8 @@ class client : public detail::table_client<Line, Device, Node> {
     using raw::write_many;
     using raw::write_one;
     using typename raw::condition;
+    friend struct detail::table_calls<client>;
+    using other = detail::table_calls<client>;
 
   public:
     using device = Device;
@@ -82,23 +86,17 @@ class client : public detail::table_client<Line, Device, Node> {
         using row = row_type<R>;
         check_row<R>();
         static_assert(row::rights != access::wo, "this register is write-only");
-        return read_at<R>(R.address);
+        if constexpr (detail::is_in_other_table<R>)
+            return other::template read_input<R>(*this);
+        else
+            return read_at<R>(R.address);
     }
 
-    /// Reads one coil or discrete input, function 01 or 02. Errors: as of a register; `unexpected_value` if the response
-    /// has more bits than one.
+    /// Reads one coil or discrete input, function 01 or 02. Errors: as of a register; `unexpected_value` if a bit
+    /// behind the one is set.
     template <const auto& R>
     requires is_bit<R>
-    constexpr result<bool> read() {
-        check_row<R>();
-        static_assert(row_type<R>::rights != access::wo, "this coil is write-only");
-        constexpr table_extent one{table_of<R>, R.address, 1, 0};
-        std::uint8_t frame[6];
-        const status why = raw::read_part(one, frame);
-        if (why.error() != errc::ok) return why;
-        if (frame[3] > 1) return status::sent(errc::unexpected_value);
-        return frame[3] == 1;
-    }
+    constexpr result<bool> read() { return other::template read_bit<R>(*this); }
 
     /// Reads element `index` of an array of registers. Errors: as `read<R>()`; `bad_argument` if there is no
     /// such element.
@@ -107,9 +105,13 @@ class client : public detail::table_client<Line, Device, Node> {
     constexpr result<reading<at<Rows, 0>>> read(std::size_t index) {
         using rows = row_type<Rows>;
         static_assert(rows::rights != access::wo, "this register is write-only");
+        static_assert(!detail::is_in_other_table<Rows>,
+                      "an array of input registers is read by read_words()");
         check_row<Rows>();
         if (index >= rows::size) return errc::bad_argument;
-        return read_at<at<Rows, 0>>(Rows[index].address);
+        const result<u32> bits = read_bits<rows::words>(Rows[index].address);
+        if (!bits) return bits.status();
+        return reading_of<at<Rows, 0>>(*bits);
     }
 
     /// Reads several rows in the fewest requests for each table, never across an address that is not named; `get<R>`
@@ -118,7 +120,7 @@ class client : public detail::table_client<Line, Device, Node> {
     requires(sizeof...(Rs) > 1) constexpr result<readings<Rs...>> read() {
         check_device<Rs...>();
         if constexpr ((detail::is_in_other_table<Rs> || ...))
-            return raw::template read_tables<readings<Rs...>>();
+            return other::template read_rows<Rs...>(*this);
         else
             return read_registers<Rs...>();
     }
@@ -145,20 +147,16 @@ class client : public detail::table_client<Line, Device, Node> {
     template <const auto& R>
     requires is_bit<R>
     constexpr status write(register_value<R> value) {
-        detail::check_coils<Device, R>();
-        return raw::write_coil(R.address, value.bits() != 0);
+        return other::template write_coil<R, false>(*this, value);
     }
 
     /// Writes adjacent registers in one frame, function 10h, or adjacent coils, function 0Fh: all or nothing.
     template <const auto&... Rs>
     requires(sizeof...(Rs) > 1) [[gnu::always_inline]] constexpr status write(register_value<Rs>... values) {
-        (check_wear<Rs>(), ...);
         if constexpr ((is_bit<Rs> || ...)) {
-            using plan = detail::coils_plan<Device, Rs...>;
-            std::uint8_t frame[plan::room];
-            plan::put(frame, values...);
-            return raw::write_coils(frame, plan::rows[0].address, plan::count);
+            return other::template write_coils<Rs...>(*this, values...);
         } else {
+            (check_wear<Rs>(), ...);
             return write_block<Rs...>(values...);
         }
     }
@@ -167,30 +165,12 @@ class client : public detail::table_client<Line, Device, Node> {
     /// repeated. For registers without a range: nobody knows what the change makes of the others.
     template <const auto& R, u16 Mask>
     requires is_register<R>
-    constexpr status change_bits(u16 value) {
-        detail::check_mask<Device, R, Mask>();
-        return raw::write_masked(R.address, static_cast<u16>(~Mask), static_cast<u16>(value & Mask));
-    }
+    constexpr status change_bits(u16 value) { return other::template change_bits<R, Mask>(*this, value); }
 
     /// Writes the adjacent registers `Ws`, then reads the adjacent registers of `Reads`, which is `rows<Rs...>`, in one
     /// transaction: function 17h. Never repeated. Errors: as of a write.
     template <class Reads, const auto&... Ws> constexpr auto write_then_read(register_value<Ws>... values) {
-        using plan = detail::both_plan<Device, Reads, Ws...>;
-        plan::check();
-        result<typename plan::values> read{status{}};
-        std::uint8_t request[plan::request];
-        std::uint8_t response[plan::response];
-        status why{store_values(request, 11, values...)};
-        if (plan::has_pairs && current_word_order() == word_order::unknown) why = errc::needs_word_order;
-        if (why.error() == errc::ok)
-            why = raw::write_and_read(request, plan::first_written, plan::read, response);
-        if (why.error() == errc::ok) {
-            words_view{bytes{response}.subspan(3)}.copy_to(read->words());
-            read->set_word_order(node_.word_order);
-        } else {
-            read.fail(why);
-        }
-        return read;
+        return other::template write_then_read<Reads, Ws...>(*this, values...);
     }
 
     /// Writes registers that the device keeps in its EEPROM. Each write wears it: for set-up, not for repeated
@@ -271,19 +251,28 @@ class client : public detail::table_client<Line, Device, Node> {
         if (value.error() != errc::ok) return value.error();
         return write_bits<row_type<R>::words, true>(R.address, value.bits());
     }
+    /// The same for one coil.
     template <const auto& R>
     requires is_bit<R>
     constexpr status broadcast(register_value<R> value) {
-        detail::check_coils<Device, R>();
-        return raw::template write_coil<true>(R.address, value.bits() != 0);
+        return other::template write_coil<R, true>(*this, value);
     }
 
   private:
-    template <const auto& R> static constexpr void check_row() { detail::check_device<Device, R>(); }
-    template <const auto&... Rs> static constexpr void check_device() {
-        detail::check_device<Device, Rs...>();
+    template <const auto& R> static constexpr void check_row() {
+        static_assert(belongs_to<typename row_type<R>::device, Device>,
+                      "this register belongs to another device");
     }
-    template <const auto& R> static constexpr void check_wear() { detail::check_wear<R>(); }
+    template <const auto&... Rs> static constexpr void check_device() {
+        static_assert((belongs_to<typename row_type<Rs>::device, Device> && ...),
+                      "this register belongs to another device");
+    }
+
+    template <const auto& R> static constexpr void check_wear() {
+        static_assert(!has(R.flags, flag::saved_on_write),
+                      "every write of this register wears the drive's EEPROM: store() it, or write it with "
+                      "what ram_only() gives");
+    }
 
     template <const auto& R> constexpr status put(register_value<R> value, const condition& on = {}) {
         check_row<R>();
@@ -311,12 +300,6 @@ class client : public detail::table_client<Line, Device, Node> {
         const u32 mask = words == 2 ? 0xFFFF'FFFFu : 0xFFFFu;
         if (((*held ^ value.bits()) & mask) == 0) return status::sent(errc::ok);
         return put<R>(value);
-    }
-
-    template <const auto& R> constexpr result<reading<R>> read_at(u16 address) {
-        const result<u32> bits = read_bits<row_type<R>::words, detail::register_code<R>>(address);
-        if (!bits) return bits.status();
-        return reading_of<R>(*bits);
     }
 
     template <const auto&... Rs> [[gnu::always_inline]] constexpr result<readings<Rs...>> read_registers() {
@@ -355,12 +338,17 @@ class client : public detail::table_client<Line, Device, Node> {
         return values;
     }
 
-    template <std::size_t Words, modbus::function Code = modbus::function::read_holding_registers>
-    constexpr result<u32> read_bits(u16 address) {
+    template <const auto& R> constexpr result<reading<R>> read_at(u16 address) {
+        const result<u32> bits = read_bits<row_type<R>::words>(address);
+        if (!bits) return bits.status();
+        return reading_of<R>(*bits);
+    }
+
+    template <std::size_t Words> constexpr result<u32> read_bits(u16 address) {
         if (Words == 2 && current_word_order() == word_order::unknown) return errc::needs_word_order;
         u16 words[Words]{};
         std::uint8_t frame[5 + 2 * Words];
-        const status why = read_some(frame, address, words, Code);
+        const status why = read_some(frame, address, words);
         if (why.error() != errc::ok) return why;
         if constexpr (Words == 2) {
             if constexpr (loses_word_order) { // an attempt had no response
@@ -393,14 +381,7 @@ class client : public detail::table_client<Line, Device, Node> {
         check_device<Rs...>();
         using plan = write_plan<Rs...>;
         std::uint8_t frame[9 + 2 * plan::words];
-        if (const errc wrong = store_values(frame, 7, values...); wrong != errc::ok) return wrong;
-        return write_many(frame, plan::rows[0].address);
-    }
-
-    // Stores the words of the values from byte `used` on. Returns the first error among them.
-    template <const auto&... Rs>
-    [[gnu::always_inline]] constexpr errc store_values(std::uint8_t* frame, std::size_t used,
-                                                       const register_value<Rs>&... values) {
+        std::size_t used = 7;
         errc wrong = errc::ok;
         const auto put = [&](const auto& value, std::size_t size) {
             if (value.error() != errc::ok && wrong == errc::ok) wrong = value.error();
@@ -408,15 +389,16 @@ class client : public detail::table_client<Line, Device, Node> {
                 if (current_word_order() == word_order::unknown && wrong == errc::ok)
                     wrong = errc::needs_word_order;
                 const word_pair pair = split_words(value.bits(), node_.word_order);
-                store_word({frame, used + 4}, used, pair.first);
-                store_word({frame, used + 4}, used + 2, pair.second);
+                store_word(frame, used, pair.first);
+                store_word(frame, used + 2, pair.second);
             } else {
-                store_word({frame, used + 2}, used, static_cast<u16>(value.bits()));
+                store_word(frame, used, static_cast<u16>(value.bits()));
             }
             used += 2 * size;
         };
         (put(values, row_type<Rs>::words), ...);
-        return wrong;
+        if (wrong != errc::ok) return wrong;
+        return write_many(frame, plan::rows[0].address);
     }
 };
 

@@ -17,19 +17,20 @@
 
 #include <servobus/client/client.hpp>
 #include <servobus/client/detail/stepped_request.hpp>
-#include <servobus/client/stepped_tables.hpp>
 
 namespace servobus {
 
 /// A stepped `Client::read<Rs...>()`: of one register, of an element of an array of registers, or of several
 /// registers. Reads are retried as often as the node says. The client must outlive it. An object that
 /// is destroyed gives its read up: see `cancel`.
-template <class Client, const auto&... Rs> class stepped_read;
+template <class Client, const auto&... Rs> class stepped_read {
+    static_assert(sizeof(Client) == 0, "for coils and inputs include servobus/any_device.hpp");
+};
 
 /// Reads one register.
 template <class Client, const auto& R>
-requires is_register<R>
-class stepped_read<Client, R> : public detail::stepped_request<typename Client::link_type> {
+requires(is_register<R> && !detail::is_in_other_table<R>) class stepped_read<Client, R>
+    : public detail::stepped_request<typename Client::link_type> {
     using base = detail::stepped_request<typename Client::link_type>;
     using row = row_type<R>;
     static_assert(belongs_to<typename row::device, typename Client::device>,
@@ -41,9 +42,7 @@ class stepped_read<Client, R> : public detail::stepped_request<typename Client::
 
     /// Begins to read. Errors: `busy` while a read is under way, which goes on; `needs_word_order`;
     /// `bad_argument`.
-    constexpr errc begin() {
-        return base::template begin_value<row::words>(frame_, R.address, detail::register_code<R>);
-    }
+    constexpr errc begin() { return base::template begin_value<row::words>(frame_, R.address); }
     /// Moves on without waiting. Returns the time within which nothing happens unless a byte comes.
     constexpr duration step() { return base::move_on(frame_); }
     /// The value that was read, or why there is none: the errors of `Client::read`, `busy` while the read is
@@ -75,8 +74,7 @@ class stepped_read<Client, Rows> : public detail::stepped_request<typename Clien
     constexpr errc begin(std::size_t index) {
         if (!base::done()) return errc::busy;
         if (index >= rows::size) return base::refused(errc::bad_argument);
-        return base::template begin_value<rows::words>(frame_, Rows[index].address,
-                                                       detail::register_code<Rows>);
+        return base::template begin_value<rows::words>(frame_, Rows[index].address);
     }
     constexpr duration step() { return base::move_on(frame_); } ///< as of one register
     constexpr result<reading<at<Rows, 0>>> value() const {      ///< as of one register

@@ -1,8 +1,7 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Stepped calls for rows of all four tables, and for functions 16h and 17h. client/stepped_read.hpp and
-// client/stepped_write.hpp include it.
+// Stepped calls for rows of all four tables, and for functions 16h and 17h. any_device.hpp includes it.
 //
 //     stepped_write<decltype(io), tank::valve> open{io}; // io: a client, tank::valve: a coil
 //     if (open.begin(true) != errc::ok) return 1;
@@ -13,43 +12,48 @@
 #include <cstddef>
 #include <cstdint>
 
-#include <servobus/client/client.hpp>
+#include <servobus/client/detail/row_rules.hpp>
 #include <servobus/client/detail/stepped_table_request.hpp>
+#include <servobus/client/stepped_read.hpp>
+#include <servobus/client/stepped_write.hpp>
 
 namespace servobus {
 
-template <class Client, const auto&... Rs> class stepped_read;
-
-/// Reads one coil or discrete input.
+/// Reads one coil, discrete input or input register.
 template <class Client, const auto& R>
-requires is_bit<R>
+requires detail::is_in_other_table<R>
 class stepped_read<Client, R> : public detail::stepped_table_request<typename Client::link_type> {
     using base = detail::stepped_table_request<typename Client::link_type>;
+    using one = readings<R>;
     static_assert(belongs_to<typename row_type<R>::device, typename Client::device>,
                   "this register belongs to another device");
-    static_assert(row_type<R>::rights != access::wo, "this coil is write-only");
 
   public:
     constexpr explicit stepped_read(Client& of) : base{base::link_of(of)} {}
 
-    constexpr errc begin() {
-        return base::begin_part(frame_, {table_of<R>, R.address, 1, 0});
-    } ///< as of a register
+    constexpr errc begin() { ///< as of a register
+        if (!base::done()) return errc::busy;
+        if (const errc why = base::order_known_if(one::has_pairs); why != errc::ok) return base::refused(why);
+        return base::begin_part(frame_, one::plan.requests[0]);
+    }
     constexpr duration step() {
         return base::template move_on<detail::call_of::tables>(frame_);
     } ///< as of a register
-    /// Whether it is on, or why that is not known: the errors of `Client::read`.
-    constexpr result<bool> value() const {
+    /// The value that was read, or why there is none: the errors of `Client::read`.
+    constexpr result<reading<R>> value() const {
         if (!base::status()) return base::status();
-        if (frame_[3] > 1) return errc::unexpected_value;
-        return frame_[3] == 1;
+        const word_order order = base::order_at_end();
+        if (one::has_pairs && order == word_order::unknown) return errc::needs_word_order;
+        one read{order};
+        if (!read.take(0, bytes{frame_}.subspan(3, one::plan.bytes))) return errc::unexpected_value;
+        return read.template get<R>();
     }
 
   private:
-    std::uint8_t frame_[base::part_room(6)];
+    std::uint8_t frame_[base::part_room(one::plan.longest_response)];
 };
 
-/// Reads rows of several tables in the fewest requests. If one request fails there is no value at all.
+/// Reads rows of several tables, or of one, in the fewest requests. If one request fails there is no value at all.
 template <class Client, const auto&... Rs>
 requires(sizeof...(Rs) > 1 && (detail::is_in_other_table<Rs> || ...)) class stepped_read<Client, Rs...>
     : public detail::stepped_table_request<typename Client::link_type> {
@@ -105,6 +109,52 @@ requires(sizeof...(Rs) > 1 && (detail::is_in_other_table<Rs> || ...)) class step
     std::uint8_t frame_[base::part_room(plan.longest_response)];
 };
 
+namespace detail {
+template <class Client, const auto& R>
+requires is_bit<R>
+class stepped_put<Client, false, R> : public stepped_table_request<typename Client::link_type> {
+    using base = stepped_table_request<typename Client::link_type>;
+
+  public:
+    constexpr explicit stepped_put(Client& of) : base{base::link_of(of)} {}
+
+    /// Begins to write a coil. Errors: `busy` while a write is under way, which goes on; `bad_argument`.
+    constexpr errc begin(register_value<R> value) {
+        check_coils<typename Client::device, R>();
+        return base::begin_coil(frame_, R.address, value.bits() != 0);
+    }
+    constexpr duration step() {
+        return base::template move_on<call_of::tables>(frame_);
+    } ///< as of one register
+
+  private:
+    std::uint8_t frame_[8];
+};
+
+template <class Client, const auto&... Rs>
+requires(sizeof...(Rs) > 1 && (is_bit<Rs> || ...)) class stepped_put<Client, false, Rs...>
+    : public stepped_table_request<typename Client::link_type> {
+    using base = stepped_table_request<typename Client::link_type>;
+    using plan = coils_plan<typename Client::device, Rs...>;
+
+  public:
+    constexpr explicit stepped_put(Client& of) : base{base::link_of(of)} {}
+
+    /// Begins to write adjacent coils in one frame: all or nothing. Errors: as of one coil.
+    constexpr errc begin(register_value<Rs>... values) {
+        if (!base::done()) return errc::busy;
+        plan::put(frame_, values...);
+        return base::begin_coils(frame_, plan::rows[0].address, plan::count);
+    }
+    constexpr duration step() {
+        return base::template move_on<call_of::tables>(frame_);
+    } ///< as of one register
+
+  private:
+    std::uint8_t frame_[plan::room];
+};
+} // namespace detail
+
 /// Changes bits of a register: a stepped `Client::change_bits<R, Mask>(value)`.
 template <class Client, const auto& R, u16 Mask>
 class stepped_change_bits : public detail::stepped_table_request<typename Client::link_type> {
@@ -147,14 +197,8 @@ class stepped_write_then_read : public detail::stepped_table_request<typename Cl
             if (order == word_order::unknown) return base::refused(errc::needs_word_order);
             on.use(order);
         }
-        std::size_t used = 11;
-        errc wrong = errc::ok;
-        const auto put = [&](const auto& value, std::size_t words) {
-            if (value.error() != errc::ok && wrong == errc::ok) wrong = value.error();
-            used += base::store_value(frame_, used, value.bits(), words, order);
-        };
-        (put(values, row_type<Ws>::words), ...);
-        if (wrong != errc::ok) return base::refused(wrong);
+        if (const errc wrong = plan::put(frame_, order, values...); wrong != errc::ok)
+            return base::refused(wrong);
         return base::begin_both(frame_, plan::words_written, plan::first_written, plan::read, on);
     }
     constexpr duration step() {

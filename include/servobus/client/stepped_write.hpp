@@ -15,13 +15,14 @@
 
 #include <servobus/client/client.hpp>
 #include <servobus/client/detail/stepped_request.hpp>
-#include <servobus/client/stepped_tables.hpp>
 
 namespace servobus {
 
 namespace detail {
 /// The base of `stepped_write` and `stepped_store`. `Wears`: the device may keep each write in its EEPROM.
-template <class Client, bool Wears, const auto&... Rs> class stepped_put;
+template <class Client, bool Wears, const auto&... Rs> class stepped_put {
+    static_assert(sizeof(Client) == 0, "for coils include servobus/any_device.hpp");
+};
 
 template <class Client, bool Wears, const auto& R>
 requires is_register<R>
@@ -136,50 +137,6 @@ requires(sizeof...(Rs) > 1 && !(is_bit<Rs> || ...)) class stepped_put<Client, We
 
   private:
     std::uint8_t frame_[9 + 2 * plan::words];
-};
-
-template <class Client, const auto& R>
-requires is_bit<R>
-class stepped_put<Client, false, R> : public stepped_table_request<typename Client::link_type> {
-    using base = stepped_table_request<typename Client::link_type>;
-
-  public:
-    constexpr explicit stepped_put(Client& of) : base{base::link_of(of)} {}
-
-    /// Begins to write a coil. Errors: `busy` while a write is under way, which goes on; `bad_argument`.
-    constexpr errc begin(register_value<R> value) {
-        check_coils<typename Client::device, R>();
-        return base::begin_coil(frame_, R.address, value.bits() != 0);
-    }
-    constexpr duration step() {
-        return base::template move_on<call_of::tables>(frame_);
-    } ///< as of one register
-
-  private:
-    std::uint8_t frame_[8];
-};
-
-template <class Client, const auto&... Rs>
-requires(sizeof...(Rs) > 1 && (is_bit<Rs> || ...)) class stepped_put<Client, false, Rs...>
-    : public stepped_table_request<typename Client::link_type> {
-    using base = stepped_table_request<typename Client::link_type>;
-    using plan = coils_plan<typename Client::device, Rs...>;
-
-  public:
-    constexpr explicit stepped_put(Client& of) : base{base::link_of(of)} {}
-
-    /// Begins to write adjacent coils in one frame: all or nothing. Errors: as of one coil.
-    constexpr errc begin(register_value<Rs>... values) {
-        if (!base::done()) return errc::busy;
-        plan::put(frame_, values...);
-        return base::begin_coils(frame_, plan::rows[0].address, plan::count);
-    }
-    constexpr duration step() {
-        return base::template move_on<call_of::tables>(frame_);
-    } ///< as of one register
-
-  private:
-    std::uint8_t frame_[plan::room];
 };
 } // namespace detail
 

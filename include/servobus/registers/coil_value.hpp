@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// What is written to a coil: true or false, and nothing that converts to it. client/client.hpp includes it.
+// What is written to a coil: true or false, and nothing that converts to it. registers/tables.hpp includes it.
 //
 //     const register_value<tank::valve> open{true}; // tank::valve: a coil
 //     static_assert(open.bits() == 1);
@@ -10,7 +10,7 @@
 #include <type_traits>
 
 #include <servobus/registers/register_value.hpp>
-#include <servobus/registers/tables.hpp>
+#include <servobus/registers/table_rows.hpp>
 
 namespace servobus {
 

@@ -69,6 +69,9 @@ inline constexpr flag torque_mode = flag::torque_mode;
 inline constexpr flag every_mode = flag::every_mode;
 inline constexpr flag zero_by_name = flag::zero_by_name;
 
+/// The four tables of the standard, in the order of the functions that read them, 01 .. 04.
+enum class table : std::uint8_t { coils, discrete_inputs, holding_registers, input_registers };
+
 /// The lowest and the highest raw value of a register.
 struct range {
     std::int64_t low = 0;
@@ -197,7 +200,23 @@ template <const auto& R> using row_type = typename detail::sound_row<R>::type;
 template <class Owner, class Device>
 inline constexpr bool belongs_to = std::is_same_v<Owner, Device> || std::is_base_of_v<Owner, Device>;
 
-/// True if `R` is a row.
+namespace detail {
+template <class Row> inline constexpr table table_of_row = table::holding_registers;
+template <const auto& R>
+concept is_in_other_table = table_of_row<std::remove_cvref_t<decltype(R)>>
+!= table::holding_registers;
+} // namespace detail
+
+/// The table of row `R`, or of an array of rows. A `reg` is a holding register; registers/tables.hpp has the others.
+template <const auto& R>
+inline constexpr table table_of = detail::table_of_row<std::remove_cvref_t<decltype(R)>>;
+
+/// True if `R` is a coil or a discrete input.
+template <const auto& R>
+concept is_bit = table_of<R>
+<= table::discrete_inputs;
+
+/// True if `R` is a row of registers.
 template <const auto& R>
 concept is_register = detail::is_row<std::remove_cvref_t<decltype(R)>>::value;
 /// True if `R` is an array of rows.

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSL-1.0
 //
 // Plans reads of several rows where not all are holding registers, at compile time: the rows of each table are sorted
-// and merged into the fewest requests, and no request covers an address that was not asked for. client/client.hpp
+// and merged into the fewest requests, and no request covers an address that was not asked for. registers/tables.hpp
 // includes it; programs include it to inspect a plan.
 //
 //     constexpr auto& plan = readings<tank::valve, tank::level, tank::temperature>::plan; // a coil, two input registers
@@ -14,7 +14,7 @@
 
 #include <servobus/core/bytes.hpp>
 #include <servobus/registers/block.hpp>
-#include <servobus/registers/tables.hpp>
+#include <servobus/registers/table_rows.hpp>
 
 namespace servobus {
 

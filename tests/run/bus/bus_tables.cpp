@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <vector>
 
+#include <servobus/any_device.hpp>
 #include <servobus/servobus.hpp>
 
 #include <tests/support/tank.hpp>

@@ -11,6 +11,7 @@
 
 #include <servobus/client/stepped_read.hpp>
 #include <servobus/client/stepped_write.hpp>
+#include <servobus/any_device.hpp>
 #include <servobus/servobus.hpp>
 
 #include <tests/support/tank.hpp>

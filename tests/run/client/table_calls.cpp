@@ -9,6 +9,7 @@
 #include <vector>
 
 #include <servobus/line/blocking_line.hpp>
+#include <servobus/any_device.hpp>
 #include <servobus/servobus.hpp>
 
 #include <tests/support/tank.hpp>

@@ -293,7 +293,7 @@ template <const auto& Plan, class Line, class... Drives> class cyclic_reads {
         const bytes bits = bytes{response_}.subspan(3, Plan.polls[reading_].response_size() - 5);
         for (std::size_t i = 0; i < bits.size(); i += 2) {
             const unsigned low = i + 1 < bits.size() ? bits[i + 1] : 0u;
-            words_[at + i / 2] = static_cast<std::uint16_t>(bits[i] << 8 | low);
+            words_[at + i / 2] = static_cast<std::uint16_t>(unsigned{bits[i]} << 8 | low);
         }
     }
 

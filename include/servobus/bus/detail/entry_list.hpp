@@ -24,7 +24,7 @@ inline constexpr bool is_entry =
 
 template <class T> inline constexpr std::size_t words_of_entry = 0;
 template <const auto&... Rs>
-inline constexpr std::size_t words_of_entry<cyclic_read<Rs...>> = (request_of<Rs...>().size() + 1) / 2;
+inline constexpr std::size_t words_of_entry<cyclic_read<Rs...>> = request_of<Rs...>().words;
 
 template <class T> inline constexpr bool is_of_other_table = false;
 template <const auto&... Rs>

@@ -8,8 +8,6 @@
 #include <cstdint>
 
 #include <servobus/modbus/bits.hpp>
-#include <servobus/registers/block.hpp>
-#include <servobus/registers/coil_value.hpp>
 #include <servobus/registers/tables.hpp>
 
 namespace servobus::detail {
@@ -24,12 +22,6 @@ template <const auto& R> constexpr void check_wear() {
                   "every write of this register wears the drive's EEPROM: store() it, or write it with "
                   "what ram_only() gives");
 }
-
-/// The function that reads register `R`, or an array of registers.
-template <const auto& R>
-inline constexpr modbus::function register_code =
-    table_of<R> == table::input_registers ? modbus::function::read_input_registers
-                                          : modbus::function::read_holding_registers;
 
 /// True for a register that a client writes only by `write`, since what it has learned of its node depends on it.
 template <class Device, const auto& R>
@@ -108,6 +100,25 @@ template <class Device, const auto&... Rs, const auto&... Ws> struct both_plan<D
         check_device<Device, Rs...>();
         check_device<Device, Ws...>();
         (check_wear<Ws>(), ...);
+    }
+    /// Stores the words to write behind the head of the request. Returns the first error of the values.
+    static constexpr errc put(std::uint8_t* frame, word_order order, const register_value<Ws>&... values) {
+        errc wrong = errc::ok;
+        std::size_t at = 11;
+        const auto put_one = [&](const auto& value, std::size_t words) {
+            if (value.error() != errc::ok && wrong == errc::ok) wrong = value.error();
+            const byte_buffer to{frame, request};
+            const word_pair pair = split_words(value.bits(), order);
+            if (words == 2) {
+                store_word(to, at, pair.first);
+                store_word(to, at + 2, pair.second);
+            } else {
+                store_word(to, at, static_cast<u16>(value.bits()));
+            }
+            at += 2 * words;
+        };
+        (put_one(values, row_type<Ws>::words), ...);
+        return wrong;
     }
 };
 

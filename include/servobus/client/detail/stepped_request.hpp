@@ -82,12 +82,10 @@ template <class Link> class stepped_request {
         return begin(request_machine::read(), frame, 5 + 2 * words, address, static_cast<std::uint8_t>(code));
     }
     /// Reads a value of `Words` words, which `value_in` finds in the frame at the end.
-    template <std::size_t Words>
-    constexpr errc begin_value(std::uint8_t* frame, u16 address,
-                               modbus::function code = modbus::function::read_holding_registers) {
+    template <std::size_t Words> constexpr errc begin_value(std::uint8_t* frame, u16 address) {
         if (!done()) return errc::busy;
         if (const errc why = order_known_if(Words == 2); why != errc::ok) return refused(why);
-        return begin_read(frame, address, Words, code);
+        return begin_read(frame, address, Words);
     }
     template <std::size_t Words> constexpr result<u32> value_in(bytes frame) const {
         if (!status()) return status();

@@ -9,7 +9,7 @@
 
 #include <servobus/client/detail/stepped_request.hpp>
 #include <servobus/modbus/bits.hpp>
-#include <servobus/registers/table_readings.hpp>
+#include <servobus/registers/tables.hpp>
 
 namespace servobus::detail {
 

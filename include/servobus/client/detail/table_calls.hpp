@@ -1,0 +1,183 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// The calls of a client beyond holding registers: rows of the other tables, and functions 16h and 17h. A program has one
+// copy for each type of client of what needs addresses only. any_device.hpp includes it.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include <servobus/client/client.hpp>
+#include <servobus/client/detail/row_rules.hpp>
+#include <servobus/modbus/bits.hpp>
+#include <servobus/registers/tables.hpp>
+
+namespace servobus::detail {
+
+template <class Line, device_class Device, class Node> struct table_calls<client<Line, Device, Node>> {
+    using own = client<Line, Device, Node>;
+    using crc = typename Line::crc;
+
+    template <const auto& R> static constexpr result<bool> read_bit(own& of) {
+        check_device<Device, R>();
+        static_assert(row_type<R>::rights != access::wo, "this coil is write-only");
+        constexpr table_extent one{table_of<R>, R.address, 1, 0};
+        std::uint8_t frame[6];
+        const status why = read_part(of, one, frame);
+        if (why.error() != errc::ok) return why;
+        if (frame[3] > 1) return status::sent(errc::unexpected_value);
+        return frame[3] == 1;
+    }
+    /// One input register, or two.
+    template <const auto& R> static constexpr result<reading<R>> read_input(own& of) {
+        const result<readings<R>> one = read_rows<R>(of);
+        if (!one) return one.status();
+        return one->template get<R>();
+    }
+    /// Rows of any tables. If one request fails there is no value at all.
+    template <const auto&... Rs> static constexpr result<readings<Rs...>> read_rows(own& of) {
+        using all = readings<Rs...>;
+        constexpr const auto& plan = all::plan;
+        result<all> values{status{}};
+        word_order order = all::has_pairs ? of.current_word_order() : word_order::high_first;
+        status why{order == word_order::unknown ? errc::needs_word_order : errc::ok};
+        std::uint8_t frame[plan.longest_response];
+        for (std::size_t i = 0; i < plan.count && why.error() == errc::ok; ++i) {
+            const table_extent& part = plan.requests[i];
+            const byte_buffer response = byte_buffer{frame}.first(part.response_size());
+            why = read_part(of, part, response);
+            if (why.error() != errc::ok) break;
+            if (!values->take(i, bytes{response}.subspan(3, part.size())))
+                why = status::sent(errc::unexpected_value);
+            if constexpr (own::loses_word_order && all::has_pairs) { // an attempt had no response
+                const word_order now = of.current_word_order();
+                if (!own::is_one_order(i, order, now) || now == word_order::unknown)
+                    why = errc::needs_word_order;
+                order = now;
+            }
+        }
+        values->set_word_order(order);
+        if (why.error() != errc::ok) {
+            values->clear();
+            values.fail(why);
+        }
+        return values;
+    }
+
+    template <const auto& R, bool IsBroadcast>
+    static constexpr status write_coil(own& of, const register_value<R>& value) {
+        check_coils<Device, R>();
+        return write_bit<IsBroadcast>(of, R.address, value.bits() != 0);
+    }
+    template <const auto&... Rs>
+    static constexpr status write_coils(own& of, const register_value<Rs>&... values) {
+        using plan = coils_plan<Device, Rs...>;
+        std::uint8_t frame[plan::room];
+        plan::put(frame, values...);
+        return write_bits(of, frame, plan::rows[0].address, plan::count);
+    }
+
+    template <const auto& R, u16 Mask> static constexpr status change_bits(own& of, u16 value) {
+        check_mask<Device, R, Mask>();
+        return write_masked(of, R.address, static_cast<u16>(~Mask), static_cast<u16>(value & Mask));
+    }
+    template <class Reads, const auto&... Ws>
+    static constexpr auto write_then_read(own& of, const register_value<Ws>&... values) {
+        using plan = both_plan<Device, Reads, Ws...>;
+        plan::check();
+        result<typename plan::values> read{status{}};
+        std::uint8_t request[plan::request];
+        std::uint8_t response[plan::response];
+        status why;
+        const word_order order = plan::has_pairs ? of.current_word_order() : word_order::high_first;
+        if (order == word_order::unknown) why = errc::needs_word_order;
+        if (const errc wrong = plan::put(request, order, values...); wrong != errc::ok) why = wrong;
+        if (why.error() == errc::ok)
+            why = write_and_read(of, request, plan::first_written, plan::read, response);
+        if (why.error() == errc::ok) {
+            words_view{bytes{response}.subspan(3)}.copy_to(read->words());
+            read->set_word_order(order);
+        } else {
+            read.fail(why);
+        }
+        return read;
+    }
+
+  private:
+    /// One request with retries. `response` is as long as the whole response.
+    [[gnu::noinline]] static constexpr status read_part(own& of, const table_extent& part,
+                                                        byte_buffer response) {
+        if (!of.node_.is_valid()) return errc::bad_argument;
+        modbus::frame<8> request;
+        request.data[0] = of.node_.address;
+        modbus::put_trusted_request(byte_buffer{request.data}.subspan(1),
+                                    static_cast<modbus::function>(part.code()), part.address, part.quantity);
+        (void)modbus::close_trusted<crc>(request.data, 5);
+        status why;
+        request_machine call = request_machine::read();
+        do why = of.carried(bytes{request.data, 8}, response);
+        while (call.goes_on(why, of.node_, false, false));
+        return why;
+    }
+
+    /// Writes one coil, function 05. The response repeats the request: where it may be an echo, the coil is read.
+    template <bool IsBroadcast = false>
+    [[gnu::noinline]] static constexpr status write_bit(own& of, u16 address, bool is_on) {
+        if (!IsBroadcast && !of.node_.is_valid()) return errc::bad_argument;
+        std::uint8_t frame[8];
+        frame[0] = IsBroadcast ? modbus::broadcast : of.node_.address;
+        modbus::put_trusted_request(byte_buffer{frame}.subspan(1), modbus::function::write_single_coil,
+                                    address, is_on ? modbus::coil_on : modbus::coil_off);
+        (void)modbus::close_trusted<crc>(frame, 5);
+        const status why = of.template carried<IsBroadcast>(frame, frame, true);
+        return IsBroadcast ? why : rules_out_echo<modbus::function::read_coils>(of, why, address);
+    }
+    /// Writes adjacent coils, function 0Fh, whose packed bits lie in `frame` from its byte 7 on.
+    [[gnu::noinline]] static constexpr status write_bits(own& of, byte_buffer frame, u16 address, u16 count) {
+        if (!of.node_.is_valid()) return errc::bad_argument;
+        frame[0] = of.node_.address;
+        modbus::put_trusted_request(frame.subspan(1), modbus::function::write_multiple_coils, address, count);
+        frame[6] = static_cast<std::uint8_t>(frame.size() - 9);
+        (void)modbus::close_trusted<crc>(frame, frame.size() - 3);
+        return of.carried(frame, frame.first(8));
+    }
+
+    /// Changes some bits of a register, function 16h.
+    [[gnu::noinline]] static constexpr status write_masked(own& of, u16 address, u16 and_mask, u16 or_mask) {
+        if (!of.node_.is_valid()) return errc::bad_argument;
+        std::uint8_t frame[10];
+        frame[0] = of.node_.address;
+        modbus::put_trusted_request(byte_buffer{frame}.subspan(1), modbus::function::mask_write_register,
+                                    address, and_mask);
+        store_word(frame, 6, or_mask);
+        (void)modbus::close_trusted<crc>(frame, 7);
+        const status why = of.template carried_as<modbus::function::mask_write_register>(frame, frame);
+        return rules_out_echo<modbus::function::read_holding_registers>(of, why, address);
+    }
+
+    /// Writes and then reads registers, function 17h. The values to write lie in `request` from its byte 11 on.
+    [[gnu::noinline]] static constexpr status write_and_read(own& of, byte_buffer request, u16 write_address,
+                                                             extent read, byte_buffer response) {
+        if (!of.node_.is_valid()) return errc::bad_argument;
+        const std::size_t written = request.size() - 13; // bytes
+        request[0] = of.node_.address;
+        modbus::put_trusted_request(request.subspan(1), modbus::function::read_write_registers, read.address,
+                                    read.words);
+        store_word(request, 6, write_address);
+        store_word(request, 8, static_cast<u16>(written / 2));
+        request[10] = static_cast<std::uint8_t>(written);
+        (void)modbus::close_trusted<crc>(request, request.size() - 3);
+        return of.template carried_as<modbus::function::read_write_registers>(request, response);
+    }
+
+  private:
+    template <modbus::function Asks>
+    static constexpr status rules_out_echo(own& of, status why, u16 address) {
+        request_machine call = request_machine::write();
+        const bool goes_on = call.goes_on(why, of.node_, true, of.line_->is_echo_ruled_out());
+        return goes_on ? status::sent(of.template ask<false, Asks>(address)) : why;
+    }
+};
+
+} // namespace servobus::detail
