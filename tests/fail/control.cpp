@@ -4,6 +4,7 @@
 // Every mend of the wrong programs beside this one, in one program that must compile: it guards the harness.
 #include <array>
 
+#include <servobus/any_device.hpp>
 #include <servobus/client/stepped_read.hpp>
 #include <servobus/client/stepped_write.hpp>
 #include <servobus/device/c630s/registers.hpp>
@@ -13,6 +14,7 @@
 #include <servobus/registers/catalogue.hpp>
 
 #include "program.hpp"
+#include "tank.hpp"
 
 namespace c630s = servobus::c630s;
 using namespace servobus::c630s::literals;
@@ -144,6 +146,8 @@ inline constexpr poll_plan plan_16{modbus::timing_at(115200),
     cyclic<zlac::status_word>(quick(1), milliseconds(100))};
 inline constexpr poll_plan plan_15{modbus::timing_at(115200), controlled(node<zlac::device>{1}, unsupervised),
     own_requests(node<zlac::device>{8}, milliseconds(1'700'000), 2)};
+inline constexpr poll_plan plan_17{modbus::timing_at(115200),
+    cyclic<tank::valve, tank::pump>(node<tank::device>{9}, milliseconds(50))};
 // clang-format on
 
 struct model : zlac::model {
@@ -222,6 +226,15 @@ int main() {
     servobus::stepped_write<decltype(servo), c630s::target_speed> target{servo};
     (void)target.begin(300, *servo.ram_only());
     (void)servo.write<c630s::position_segment_speeds>(2, 300, *servo.ram_only());
+    some_tank io;
+    (void)io.write<tank::valve>(true);
+    (void)io.write<tank::valve, tank::pump>(true, false);
+    (void)io.write<tank::pump>(true);
+    (void)io.read<tank::is_full>();
+    (void)io.read<tank::level>();
+    (void)io.read<tank::lamp>();
+    (void)io.change_bits<tank::options, 0x0003>(1);
+    (void)io.write_then_read<servobus::rows<tank::options>, tank::ramp>(5);
     (void)servobus::ring<4>{};
     constexpr std::uint16_t address = "P0B-07"_p;
     (void)address;
