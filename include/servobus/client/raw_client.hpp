@@ -125,6 +125,37 @@ class raw_client : protected detail::node_link<Line, Device, Node> {
         return why;
     }
 
+    /// Sends any PDU, whose response is as long as `rule` says (modbus/response_lengths.hpp) where the function does not.
+    /// Never retried. Returns the response's PDU, which lies in `response_pdu`.
+    /// Errors: as of the other `transact`; `too_long` if `response_pdu` has too little room; `bad_argument` for a rule that
+    /// is none.
+    template <class Rule>
+    constexpr result<bytes> transact(bytes pdu, byte_buffer response_pdu, const Rule& rule) {
+        static_assert(Line::lengths::are_open,
+                      "this line has responses of known lengths only: make it with modbus::open_lengths");
+        constexpr std::size_t longest_pdu = Line::longest_frame - 3;
+        if (!node_.is_valid() || pdu.empty() || pdu.size() > longest_pdu || response_pdu.size() < 2)
+            return errc::bad_argument;
+        std::uint8_t request[modbus::max_frame]{};
+        std::uint8_t response[modbus::max_frame]{};
+        request[0] = node_.address;
+        for (std::size_t i = 0; i < pdu.size(); ++i) request[i + 1] = pdu[i];
+        const bytes sent = bytes{request}.first(modbus::close_frame<crc>(request, pdu.size()));
+        const std::size_t most = response_pdu.size() < longest_pdu ? response_pdu.size() : longest_pdu;
+        exchange_for<false, true> x{
+            sent, byte_buffer{response}.first(most + 3), rule, line_->timing(), node_.limits, node_.priority};
+        if (x.response_size() == 0) return errc::bad_argument;
+        status why = run(x);
+        if (why.was_sent() && !modbus::is_read(pdu[0])) link::invalidate(link::all());
+        const std::size_t size = length_of(x);
+        request_machine call = request_machine::transaction();
+        (void)call.goes_on(why, node_, same_bytes(bytes{response}.first(size), sent),
+                           line_->is_echo_ruled_out());
+        if (!why) return why;
+        for (std::size_t i = 0; i < size - 3; ++i) response_pdu[i] = response[i + 1];
+        return bytes{response_pdu}.first(size - 3);
+    }
+
   protected:
     using link::line_;
     using link::loses_word_order;
@@ -173,6 +204,12 @@ class raw_client : protected detail::node_link<Line, Device, Node> {
     constexpr servobus::ram_only new_token() { return {node_.address, line_->epoch(node_.address)}; }
 
   private:
+    template <class X> constexpr std::size_t length_of(const X& x) const {
+        if constexpr (Line::is_small)
+            return line_->response_size();
+        else
+            return x.response_size();
+    }
     template <std::size_t N>
     constexpr status read_array(u16 address, slice<u16> words, modbus::function code) {
         std::uint8_t frame[5 + 2 * N];

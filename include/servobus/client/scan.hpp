@@ -42,10 +42,10 @@ constexpr finding look_for(Line& on, std::uint8_t node_address, const response_l
                            std::uint16_t address = 0) {
     const modbus::frame<8> request = modbus::read_frame<typename Line::crc>(node_address, address, 1);
     std::array<std::uint8_t, 7> response{};
-    modbus::exchange x;
+    typename Line::exchange x;
     request_machine call = request_machine::look();
     do {
-        x = modbus::exchange{request, response, on.timing(), limits};
+        x = typename Line::exchange{request, response, on.timing(), limits};
         on.run(x, {});
     } while (call.looks_again(x.status(), x.has_received()));
     const status why = x.status();

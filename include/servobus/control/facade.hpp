@@ -344,7 +344,7 @@ template <class Model, class Line> class facade {
         return is_known() && polling_.is_due(now, is_enabled(), link_.watchdog());
     }
     constexpr bool is_waiting_to_send() const {
-        return flight_ != flight::none && exchange_.state() == modbus::exchange::phase::ready;
+        return flight_ != flight::none && exchange_.state() == Line::exchange::phase::ready;
     }
 
     constexpr void send() {
@@ -369,15 +369,15 @@ template <class Model, class Line> class facade {
         }
         // The frame is the facade's own and needs no check.
         const std::size_t response = modbus::is_write(frame_[1]) ? 8u : 5u + 2u * block.words;
-        const bytes request = modbus::close_trusted<modbus::exchange::crc>(frame_, size);
+        const bytes request = modbus::close_trusted<typename Line::crc>(frame_, size);
         std::size_t at = held_.size(); // a reading that is held back stays where it is
         if (at + response > sizeof response_) {
             held_.drop();
             at = 0;
         }
         const priority how = flight_ == flight::step && run_.is_urgent() ? priority::stop : priority_;
-        exchange_ = modbus::exchange::trusted(request, byte_buffer{response_ + at, response}, line_->timing(),
-                                              limits_, how);
+        exchange_ = Line::exchange::trusted(request, byte_buffer{response_ + at, response}, line_->timing(),
+                                            limits_, how);
     }
 
     // --- What a frame's end means
@@ -818,7 +818,7 @@ template <class Model, class Line> class facade {
     response_limits limits_;
     bus_gaps gaps_;
     priority priority_ = priority::ordinary; // of all requests but stops
-    modbus::exchange exchange_{};
+    typename Line::exchange exchange_{};
     detail::routine_run run_{};
     std::uint8_t frame_[24]{};
     std::uint8_t response_[detail::held_reading::room(Model::image.words)]{};

@@ -59,11 +59,19 @@ requires(std::is_empty_v<Port>&& std::is_trivially_copyable_v<Port>&&
 /// response to the request, those up to the next gap are ignored; where their CRC fits, a gap of t3.5 is
 /// enough. A port without members is copied.
 template <port Port, modbus::rtu_timing Timing, duration Quarantine = milliseconds(100),
-          modbus::crc_engine Crc = modbus::default_crc>
-class blocking_line : modbus::gathering<std::uint8_t> {
-    using gathering = modbus::gathering<std::uint8_t>;
+          modbus::crc_engine Crc = modbus::default_crc, class Lengths = modbus::fixed_lengths>
+class blocking_line : modbus::gathering<std::uint8_t, Lengths> {
+    using gathering = modbus::gathering<std::uint8_t, Lengths>;
+    using gathering::count_;
+    using gathering::length_;
+    using gathering::lengths_;
+    using gathering::request_;
+    using gathering::response_;
+    using gathering::same_;
+    using gathering::size_;
 
   public:
+    using lengths = Lengths;
     static constexpr bool is_small = true;            ///< a client passes it constants where it can
     using crc = Crc;                                  ///< the engine of all frames, built and checked
     static constexpr std::size_t longest_frame = 255; ///< bytes; function 10h needs no more
@@ -80,6 +88,18 @@ class blocking_line : modbus::gathering<std::uint8_t> {
                                const Limits& limits, Priority of = {})
             : exchange_for{request, response.first(length_in(response, request)), limits,
                            request.size() >= 8 && modbus::repeats_a_value(request[1]), of} {}
+
+        /// One whose response is as long as `rule` says, at most as `response`, where the request itself does not say
+        /// it. For a line with `modbus::open_lengths`.
+        template <class Rule>
+        constexpr exchange_for(bytes request, byte_buffer response, const Rule& rule,
+                               const modbus::rtu_timing&, const Limits& limits,
+                               Priority of) requires(Lengths::are_open)
+            : exchange_for{request, response.first(rule.is_valid() ? length_in(response, request) : 0),
+                           limits, false, of} {
+            if (response_.empty() || modbus::like(request) != modbus::like_none) return;
+            lengths_ = Lengths{rule, request.subspan(1, request.size() - 3)};
+        }
 
         /// The same unchecked, for a caller that has made both to fit. `is_single`: function 05, 06 or 16h.
         static constexpr exchange_for trusted(bytes request, byte_buffer response, const Limits& limits,
@@ -123,6 +143,7 @@ class blocking_line : modbus::gathering<std::uint8_t> {
         [[no_unique_address]] Limits limits_;
         [[no_unique_address]] Priority priority_;
         bool is_single_; // apart, so that a program that sends none has nothing of it
+        [[no_unique_address]] Lengths lengths_{};
     };
 
     /// The first request waits for a quarantine. The line reads the clock before the receiver: if the program
@@ -142,6 +163,8 @@ class blocking_line : modbus::gathering<std::uint8_t> {
     constexpr servobus::epoch epoch(std::uint8_t node_address) const { return epochs_.of(node_address); }
     /// What was learned of the nodes is stale from now on.
     constexpr void begin_epoch(std::uint8_t node_address) { epochs_.count_miss(node_address); }
+    /// The length of the last response, in bytes: of one that is as long as a rule says.
+    constexpr std::size_t response_size() const { return length_; }
     /// True once something was answered that no echo can be; see `line::is_echo_ruled_out`.
     constexpr bool is_echo_ruled_out() const { return is_echo_ruled_out_; }
 
@@ -153,6 +176,7 @@ class blocking_line : modbus::gathering<std::uint8_t> {
     run(const exchange_for<Limits, IsBroadcast, IsAnyFunction, Priority>& x, const Gaps& wanted) {
         if (x.response_.empty() || wanted.quarantine > Quarantine) return errc::bad_argument;
         auto sizes = static_cast<std::uint32_t>(x.request_.size() | x.response_.size() << 8);
+        if constexpr (Lengths::are_open) lengths_ = x.lengths_;
         status w;
         if constexpr (std::is_empty_v<Limits> && std::is_empty_v<Gaps> && std::is_empty_v<Priority>) {
             w = carried<IsBroadcast, IsAnyFunction, Limits, Gaps>(x.request_.data(), x.response_.data(),
@@ -230,8 +254,9 @@ class blocking_line : modbus::gathering<std::uint8_t> {
         request_ = request;
         response_ = response;
         size_ = static_cast<std::uint8_t>(sizes & 0xFFu);
-        begin_gathering();
+        gathering::begin_gathering();
         length_ = static_cast<std::uint8_t>(sizes >> 8 & 0xFFu);
+        if constexpr (Lengths::are_open) gathering::begin_open(lengths_);
         bool owes = false;
         const bool has_left = leave(wanted, MayBeStop && (sizes & stop_bit) != 0, owes);
         if constexpr (IsBroadcast && !has_gateway<Port>) {
@@ -243,6 +268,7 @@ class blocking_line : modbus::gathering<std::uint8_t> {
                 if (takes_at_once && last_ != instant{}) last_ = now(); // a gap counts from the last byte
             }
             idle_ = {}; // a quarantine counts from here: a late response begins within it
+            if constexpr (Lengths::are_open) gathering::end_open();
             if (count_ != 0)
                 ended_.end(gathering::template judged<Crc, IsAnyFunction>(
                     IsAnyFunction ? modbus::like({request_, size_}) : request_[1], cut, limits,
@@ -375,7 +401,7 @@ class blocking_line : modbus::gathering<std::uint8_t> {
             // The program may have stalled since it read the clock: only an empty look after this one begins a gap.
             idle_ = unknown;
             const auto byte = static_cast<unsigned>(received);
-            if (same_ == 0 || !compare(byte)) {
+            if (same_ == 0 || !gathering::compare(byte)) {
                 if (same_ != 0 && is_glitch(received) && leading != 0) {
                     --leading;
                     continue;
@@ -384,25 +410,26 @@ class blocking_line : modbus::gathering<std::uint8_t> {
                 if constexpr (has_pauses) other = crc_bit_by_bit(other, byte);
                 continue;
             }
-            if (is_whole()) { // and equal to the request's beginning: if more bytes follow, its echo
+            if (gathering::
+                    is_whole()) { // and equal to the request's beginning: if more bytes follow, its echo
                 count_ = more;
                 break;
             }
-            store(byte);
+            gathering::store(byte);
             left_ = no_limit; // but a gap
             if constexpr (takes_at_once) {
                 if (!take_burst()) break;
             }
-            if (is_whole() && !may_be_echo()) break;
+            if (gathering::is_whole() && !gathering::may_be_echo()) break;
         }
     }
     // Takes the bytes that have arrived, and none after the response: a garbled one may follow, as a driver is switched.
     // False if the port failed.
     [[gnu::always_inline]] constexpr bool take_burst() {
         int next = 0;
-        while (!is_whole() && (next = take()) >= 0) {
-            (void)compare(static_cast<unsigned>(next));
-            store(static_cast<unsigned>(next));
+        while (!gathering::is_whole() && (next = take()) >= 0) {
+            (void)gathering::compare(static_cast<unsigned>(next));
+            gathering::store(static_cast<unsigned>(next));
         }
         return next != over;
     }

@@ -34,9 +34,13 @@
 namespace servobus {
 
 /// A line on `Port`. All nodes on the wire share this one object, which is used from one context only.
-template <port Port, observer Observer = counters, class Echo = unechoed> class line {
+/// `Lengths` is `modbus::open_lengths` for responses whose length no request tells (modbus/response_lengths.hpp).
+template <port Port, observer Observer = counters, class Echo = unechoed,
+          class Lengths = modbus::fixed_lengths>
+class line {
   public:
-    using exchange = modbus::exchange;
+    using lengths = Lengths;
+    using exchange = modbus::basic_exchange<modbus::default_crc, Lengths>;
     using crc = exchange::crc; ///< the engine of all frames, built and checked
     static constexpr bool is_small = false;
     static constexpr std::size_t longest_frame = modbus::max_frame; ///< bytes

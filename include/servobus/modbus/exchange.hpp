@@ -37,8 +37,16 @@ namespace servobus::modbus {
 
 /// One transaction. It keeps references to its buffers, timing and limits, which must outlive it. No member
 /// waits. Members may be called only from the context that owns the exchange.
-template <crc_engine Crc = default_crc> class basic_exchange : gathering<std::uint16_t> {
-    using base = gathering<std::uint16_t>;
+template <crc_engine Crc = default_crc, class Lengths = fixed_lengths>
+class basic_exchange : gathering<std::uint16_t, Lengths> {
+    using base = gathering<std::uint16_t, Lengths>;
+    using base::count_;
+    using base::length_;
+    using base::lengths_;
+    using base::request_;
+    using base::response_;
+    using base::same_;
+    using base::size_;
 
   public:
     using crc = Crc;
@@ -96,6 +104,19 @@ template <crc_engine Crc = default_crc> class basic_exchange : gathering<std::ui
         }
     }
 
+    /// One whose response is as long as `rule` says, at most as `response`, where the request itself does not say it. An
+    /// exchange of a line with `open_lengths`. Errors: `bad_argument` also for a broadcast and a rule that is none.
+    template <class Rule>
+    constexpr basic_exchange(bytes request, byte_buffer response, const Rule& rule, const rtu_timing& timing,
+                             const response_limits& limits, servobus::priority of) requires(Lengths::are_open)
+        : basic_exchange{request, response, timing, limits, of} {
+        if (phase_ == phase::done || like_ != like_none) return;
+        if (rule.is_valid() && !is_broadcast())
+            base::begin_open(Lengths{rule, request.subspan(1, request.size() - 3)});
+        else
+            end(errc::bad_argument);
+    }
+
     /// The same without a look at the request, for who has just made it: of function 01..06, 0F, 10h or 16h, to a
     /// valid address. `response` is as long as the whole response; for a write it may be the request's memory.
     [[gnu::always_inline]] static constexpr basic_exchange trusted(bytes request, byte_buffer response,
@@ -124,6 +145,7 @@ template <crc_engine Crc = default_crc> class basic_exchange : gathering<std::ui
         timing_ = &timing;
         limits_ = &limits;
         sent_ = last_ = {};
+        if constexpr (Lengths::are_open) lengths_ = {};
     }
 
     // The exchange keeps references: a temporary would be destroyed before the response arrives.
@@ -149,12 +171,13 @@ template <crc_engine Crc = default_crc> class basic_exchange : gathering<std::ui
     constexpr duration longest() const { return is_broadcast() ? longest_wait() : longest_response(); }
     /// The same for a response, which a gateway may send to a broadcast too.
     constexpr duration longest_response() const {
-        return limits_->response + (timing_->longest_gap(1) + timing_->wire_time(1)) * std::uint32_t{length_};
+        return limits_->response +
+               (timing_->longest_gap(1) + timing_->wire_time(1)) * std::uint32_t{most_bytes()};
     }
     /// Longest time from the request's last bit until a stop that waits for it may be sent: for a response whose pauses
     /// are longer than a frame has them, less than `longest`.
     constexpr duration longest_before_stop() const {
-        return is_broadcast() ? longest_wait() : limits_->response + timing_->longest_frame(length_);
+        return is_broadcast() ? longest_wait() : limits_->response + timing_->longest_frame(most_bytes());
     }
     /// The number by which a line's arbitration identifies this exchange; 0 until the line has assigned one.
     constexpr std::uint16_t ticket() const { return ticket_; }
@@ -291,6 +314,9 @@ template <crc_engine Crc = default_crc> class basic_exchange : gathering<std::ui
     // end the same way; a small core, which has more time than flash, uses `take_bytes` alone.
     constexpr bool is_whole_response(bytes arrived) const {
         if (phase_ != phase::awaiting || arrived.size() < length_) return false;
+        if constexpr (Lengths::are_open) {
+            if (lengths_.is_open()) return false;
+        }
         const auto is_requested = [&](std::size_t at) {
             return load_word(arrived, at) == load_word(request(), at);
         };
@@ -387,12 +413,12 @@ template <crc_engine Crc = default_crc> class basic_exchange : gathering<std::ui
     // False if the byte does not belong to the response, which ended before it.
     constexpr bool accept(std::uint8_t byte) {
         if (phase_ == phase::awaiting || phase_ == phase::receiving) {
-            if (compare(byte)) {
+            if (base::compare(byte)) {
                 phase_ = phase::receiving;
-                const bool is_next = is_whole();
+                const bool is_next = base::is_whole();
                 if (!is_next) {
-                    store(byte);
-                    if (!is_whole() || may_be_echo()) return true;
+                    base::store(byte);
+                    if (!base::is_whole() || base::may_be_echo()) return true;
                 }
                 conclude(is_next);
                 return !is_next;
@@ -409,8 +435,16 @@ template <crc_engine Crc = default_crc> class basic_exchange : gathering<std::ui
         return true;
     }
 
+    constexpr std::uint16_t most_bytes() const {
+        if constexpr (Lengths::are_open) {
+            if (lengths_.is_open()) return static_cast<std::uint16_t>(lengths_.room());
+        }
+        return length_;
+    }
+
     // The response is whole, or what came of it has ended. `has_more`: a byte came after it.
     constexpr void conclude(bool has_more) {
+        if constexpr (Lengths::are_open) base::end_open();
         const errc cut = timing_->mode == timing_mode::strict ? errc::bad_gap : errc::truncated_response;
         errc why = base::template judged<Crc, true>(like_, cut, *limits_, has_more, *this);
         if (why == errc::wrong_quantity && repeats_a_value(like_)) why = errc::wrong_value;

@@ -38,9 +38,14 @@ constexpr bool note_gateway(status& ended, bool is_broadcast) {
     return true;
 }
 
+/// For lines whose responses all have known lengths; see modbus/response_lengths.hpp.
+struct fixed_lengths {
+    static constexpr bool are_open = false;
+};
+
 /// `Size` has the length of a frame: 8 bits for frames of up to 255 bytes. Request and response may share
 /// memory: a byte is compared before the byte at its place is stored.
-template <class Size> class gathering {
+template <class Size, class Lengths = fixed_lengths> class gathering {
   protected:
     constexpr gathering() = default;
 
@@ -60,7 +65,21 @@ template <class Size> class gathering {
         }
         return true;
     }
-    constexpr void store(unsigned byte) { response_[count_++] = static_cast<std::uint8_t>(byte); }
+    constexpr void store(unsigned byte) {
+        response_[count_++] = static_cast<std::uint8_t>(byte);
+        if constexpr (Lengths::are_open) grow();
+    }
+    /// The response is to be as long as `of` finds; `length_` is the room for it.
+    constexpr void begin_open(const Lengths& of) {
+        lengths_ = of;
+        if (!lengths_.is_open()) return;
+        lengths_.set_room(length_);
+        length_ = lengths_.ends_by_gap() ? length_ : Size{5};
+    }
+    /// A gap has ended the response, or it is whole.
+    constexpr void end_open() {
+        if (lengths_.ends_by_gap() && count_ >= 5 && count_ < length_) length_ = count_;
+    }
     constexpr bool is_whole() const { return count_ == length_; }
     /// True if each byte so far is the request's, and the request goes on: the next byte, or a gap, tells
     /// whether this is its echo.
@@ -75,6 +94,9 @@ template <class Size> class gathering {
                                                  [[maybe_unused]] const Limits& limits, bool has_more,
                                                  Owner& owner) const {
         const unsigned same = same_;
+        if constexpr (Lengths::are_open) {
+            if (lengths_.is_too_long()) return errc::too_long;
+        }
         if (length_ == 2) return errc::wrong_function;
         if (same == 1) { // an exception: no header to compare
         } else if (has_count(like)) {
@@ -114,6 +136,18 @@ template <class Size> class gathering {
     Size same_ = 0;   ///< so many of them are the request's first ones, or the request's size: all so far
     const std::uint8_t* request_ = nullptr;
     std::uint8_t* response_ = nullptr;
+    [[no_unique_address]] Lengths lengths_{};
+
+  private:
+    // The byte that has come may tell how many follow. Exceptions and other functions have their length.
+    constexpr void grow() {
+        if (!lengths_.is_open() || lengths_.ends_by_gap() || same_ == 1 || count_ + 2u < length_) return;
+        const std::size_t length = lengths_.least_length({response_ + 1, count_ - std::size_t{1}}) + 3;
+        if (lengths_.fits(length))
+            length_ = static_cast<Size>(length);
+        else
+            length_ = count_; // ends here
+    }
 };
 
 } // namespace servobus::modbus

@@ -10,6 +10,8 @@
 #include <cstdint>
 #include <map>
 
+#include <servobus/line/blocking_line.hpp>
+#include <servobus/modbus/response_lengths.hpp>
 #include <servobus/servobus.hpp>
 
 #include <tests/support/client_rig.hpp>
@@ -39,9 +41,38 @@ struct small_line {
     static type on(tests::waiting_scripted_port& port) { return type{port}; }
 };
 
+struct any_open_line {
+    using type = servobus::line<tests::waiting_scripted_port, counters, unechoed, modbus::open_lengths>;
+    static type on(tests::waiting_scripted_port& port) { return type{port, timing}; }
+};
+struct small_open_line {
+    using type = blocking_line<tests::waiting_scripted_port, timing, milliseconds(100), modbus::default_crc,
+                               modbus::open_lengths>;
+    static type on(tests::waiting_scripted_port& port) { return type{port}; }
+};
+struct strict_open_line {
+    static constexpr modbus::rtu_timing strict = modbus::timing_at(115200, modbus::timing_mode::strict);
+    using type = servobus::line<tests::waiting_scripted_port, counters, unechoed, modbus::open_lengths>;
+    static type on(tests::waiting_scripted_port& port) { return type{port, strict}; }
+};
+
 bool is_judged_by_the_line(const byte_list& pdu) {
     if (pdu[0] == 8) return functions_reference::word(pdu, 1) == 0;
     return pdu[0] <= 6 || pdu[0] == 15 || pdu[0] == 16 || pdu[0] == 22 || pdu[0] == 23;
+}
+/// True for the echo of a request, and for one with zeros behind it, which a driver sends and a CRC does not notice.
+bool is_echo_with_zeros(const byte_list& asked, const byte_list& response) {
+    byte_list echo = framed(byte_list{1} + asked);
+    const byte_list frame = framed(byte_list{1} + response);
+    if (frame.size() < echo.size()) return false;
+    echo.resize(frame.size());
+    return echo == frame;
+}
+/// The frame with a PDU of so many bytes, if its CRC is right.
+byte_list cut_to(std::size_t pdu, byte_list frame) {
+    if (frame.size() < pdu + 3) return {};
+    frame.resize(pdu + 3);
+    return framed({frame.begin(), frame.end() - 2}) == frame ? frame : byte_list{};
 }
 /// The length of the valid response, as the standard gives it.
 std::size_t length_of_response(const byte_list& pdu) {
@@ -93,6 +124,114 @@ TEST_CASE_TEMPLATE("G1, G2: a response to any function is accepted where it is w
     }
     for (const unsigned code : {1u, 2u, 3u, 4u, 15u, 16u, 23u}) CHECK(accepted[code] > 100);
     for (const unsigned code : {1u, 2u, 3u, 4u, 5u, 6u, 8u, 15u, 16u, 22u, 23u}) CHECK(refused[code] > 100);
+}
+
+TEST_CASE_TEMPLATE("a response of any length is accepted where the function's rule ends it", Kind,
+                   any_open_line, small_open_line, strict_open_line) {
+    maker random{27};
+    std::map<unsigned, unsigned> accepted;
+    std::map<unsigned, unsigned> refused;
+    for (unsigned round = 0; round < 30'000; ++round) {
+        CAPTURE(round);
+        const byte_list asked = random.request();
+        if (functions_reference::exception_of(asked) != 0 || is_judged_by_the_line(asked)) continue;
+        byte_list response = random.response(asked);
+        if (!random.one_in(3)) response = random.mutated(response);
+        if (response.empty() || response.size() > 252) continue;
+
+        tests::waiting_scripted_port port;
+        typename Kind::type on = Kind::on(port);
+        client device_at_1{on, node<device>{1}};
+        port.device = [&](scripted_port& p, const tests::sent_frame& f) {
+            if (f.data == framed(byte_list{1} + asked)) p.say(500, framed(byte_list{1} + response));
+        };
+        std::array<std::uint8_t, 253> room{};
+        room.fill(0xA5);
+        const result<bytes> answer = device_at_1.transact(asked, room, modbus::length_rule::of_function());
+
+        const verdict judged = functions_reference::judge(asked, response);
+        // A line takes no byte behind the response. What it leaves may be the CRC of the rest, once in 65536.
+        const byte_list whole =
+            cut_to(functions_reference::least(asked, response), framed(byte_list{1} + response));
+        const bool is_whole = response[0] == asked[0] && !whole.empty();
+        const bool may_be_echo = is_echo_with_zeros(asked, response);
+        const bool is_accepted = static_cast<bool>(answer);
+        REQUIRE(is_accepted == (is_whole && !may_be_echo));
+        if (judged == verdict::valid && !may_be_echo) REQUIRE(is_accepted);
+        if (judged == verdict::exception)
+            REQUIRE(answer.error() ==
+                    (answer.status().exception() == 5 ? errc::acknowledged : errc::exception));
+        if (answer) {
+            REQUIRE(framed(byte_list{1} + byte_list{answer->begin(), answer->end()}) == whole);
+            REQUIRE((answer->size() == room.size() || room[answer->size()] == 0xA5));
+        } else {
+            REQUIRE(room == [] {
+                std::array<std::uint8_t, 253> untouched{};
+                untouched.fill(0xA5);
+                return untouched;
+            }());
+        }
+        ++(answer ? accepted : refused)[asked[0]];
+    }
+    for (const unsigned code : {7u, 8u, 11u, 12u, 17u, 24u, 43u}) {
+        CAPTURE(code);
+        CHECK(accepted[code] > 100);
+        CHECK(refused[code] > 100);
+    }
+}
+
+TEST_CASE_TEMPLATE("a user-defined function ends by the caller's rule", Kind, any_open_line, small_open_line,
+                   strict_open_line) {
+    using modbus::length_rule;
+    tests::waiting_scripted_port port;
+    typename Kind::type on = Kind::on(port);
+    client drive{on, node<device>{1}};
+    byte_list response;
+    port.device = [&](scripted_port& p, const tests::sent_frame&) {
+        p.say(500, framed(byte_list{1} + response));
+    };
+    std::array<std::uint8_t, 16> room{};
+    const byte_list asked{0x41, 7};
+    const auto ask = [&](const byte_list& pdu, length_rule rule) {
+        response = pdu;
+        return drive.transact(asked, room, rule);
+    };
+    const auto is = [](const result<bytes>& answer, const byte_list& pdu) {
+        return answer && byte_list{answer->begin(), answer->end()} == pdu;
+    };
+    CHECK(is(ask({0x41, 9, 8, 3}, length_rule::fixed(4)), {0x41, 9, 8, 3}));
+    CHECK(ask({0x41, 9, 8}, length_rule::fixed(4)).error() >= errc::truncated_response);
+    CHECK(!ask({0x41, 9, 8, 3, 4}, length_rule::fixed(4)));
+    CHECK(is(ask({0x41, 9, 2, 3, 4}, length_rule::counted(2)), {0x41, 9, 2, 3, 4}));
+    CHECK(is(ask({0x41, 9, 0}, length_rule::counted(2)), {0x41, 9, 0}));
+    CHECK(!ask({0x41, 9, 3, 3, 4}, length_rule::counted(2)));
+    CHECK(is(ask({0x41, 9, 3, 3, 4}, length_rule::until_gap()), {0x41, 9, 3, 3, 4}));
+    CHECK(is(ask({0x41, 1}, length_rule::until_gap()), {0x41, 1}));
+    CHECK(is(ask(byte_list{0x41} + byte_list(15, 6), length_rule::until_gap()),
+             byte_list{0x41} + byte_list(15, 6)));
+    // More than there is room for.
+    CHECK(ask(byte_list{0x41, 9, 14} + byte_list(14, 1), length_rule::counted(2)).error() == errc::too_long);
+    CHECK(!ask(byte_list{0x41} + byte_list(16, 6), length_rule::until_gap()));
+    CHECK(is(ask(byte_list{0x41, 9, 13} + byte_list(13, 1), length_rule::counted(2)),
+             byte_list{0x41, 9, 13} + byte_list(13, 1)));
+    // Exceptions have their length under every rule.
+    for (const length_rule rule :
+         {length_rule::fixed(9), length_rule::counted(1), length_rule::until_gap()}) {
+        const result<bytes> refused = ask({0xC1, 2}, rule);
+        CHECK(refused.error() == errc::exception);
+        CHECK(refused.status().exception() == 2);
+    }
+    // A rule that is none, and one that the request's function does not need.
+    const std::size_t sent = port.frames.size();
+    CHECK(drive.transact(asked, room, length_rule::fixed(1)).error() == errc::bad_argument);
+    CHECK(drive.transact(asked, room, length_rule::fixed(254)).error() == errc::bad_argument);
+    CHECK(drive.transact(asked, room, length_rule::counted(0)).error() == errc::bad_argument);
+    CHECK(port.frames.size() == sent);
+    response = {3, 2, 0, 9};
+    CHECK(is(drive.transact(byte_list{3, 0, 0, 0, 1}, room, length_rule::fixed(9)), {3, 2, 0, 9}));
+    response = {3, 4, 0, 9, 0, 0};
+    CHECK(drive.transact(byte_list{3, 0, 0, 0, 1}, room, length_rule::fixed(6)).error() ==
+          errc::wrong_byte_count);
 }
 
 } // namespace transact_functions_tests

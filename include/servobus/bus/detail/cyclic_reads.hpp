@@ -37,7 +37,7 @@ template <const auto& Plan, class Line, class... Drives> class cyclic_reads {
 
     constexpr bool is_read_on_the_wire() const { return reading_ != none && !is_read_waiting(); }
     constexpr bool is_read_waiting() const {
-        return reading_ != none && exchange_.state() == modbus::exchange::phase::ready;
+        return reading_ != none && exchange_.state() == Line::exchange::phase::ready;
     }
     /// The time within which nothing happens unless a byte arrives.
     constexpr duration step_reads() {
@@ -247,7 +247,7 @@ template <const auto& Plan, class Line, class... Drives> class cyclic_reads {
             response = p.response_size();
         }
         modbus::put_trusted_request(pdu, code, p.address, Plan.has_other_tables ? p.quantity : p.words);
-        exchange_.restart(modbus::close_trusted<modbus::exchange::crc>(request_, 5),
+        exchange_.restart(modbus::close_trusted<typename Line::crc>(request_, 5),
                           byte_buffer{response_}.first(response), line_->timing(), p.limits,
                           priority::planned);
         reading_ = i;
@@ -303,7 +303,7 @@ template <const auto& Plan, class Line, class... Drives> class cyclic_reads {
     std::uint16_t words_[at_least_one(Plan.words)]{};
     std::uint8_t response_[Plan.response_room]{};
     std::uint8_t request_[8]{};
-    modbus::exchange exchange_{};
+    typename Line::exchange exchange_{};
     instant last_retry_{};
     instant searched_at_{}; // for a read that is due
     duration pause_{};      // from then on, within which no read becomes due

@@ -43,10 +43,11 @@ constexpr admission judge(other_requests& others, std::uint8_t address, duration
 
 /// The `step` of a line with a bus of this plan.
 template <const auto& Plan, class Line>
-constexpr duration step_beside(Line& on, modbus::exchange& x, const bus_gaps& wanted) {
+constexpr duration step_beside(Line& on, typename Line::exchange& x, const bus_gaps& wanted) {
     if (x.done()) return {};
     const bool is_other = x.priority() == priority::ordinary;
-    const auto asks = [&x] { return x.state() == modbus::exchange::phase::ready; };
+    using phase = typename Line::exchange::phase;
+    const auto asks = [&x] { return x.state() == phase::ready; };
     if (is_other && asks()) {
         const duration longest = on.timing().wire_time(x.request().size()) + x.longest_before_stop();
         const admission said = judge<Plan>(on.others(), x.address(), longest, wanted, on.now());
@@ -63,7 +64,7 @@ constexpr duration step_beside(Line& on, modbus::exchange& x, const bus_gaps& wa
         return {};
     }
     if (is_other && asks()) on.others().note_waiting(x.ticket());
-    if (!on.is_stop_waiting() || x.state() != modbus::exchange::phase::receiving) return idle;
+    if (!on.is_stop_waiting() || x.state() != phase::receiving) return idle;
     // A response that trickles in is given up for a stop.
     const duration waited = since(x.sent_at(), on.now());
     const duration longest = x.longest_before_stop();

@@ -160,7 +160,7 @@ template <class Link> class stepped_request {
     template <call_of What = call_of::registers> constexpr duration move_on(std::uint8_t* frame) {
         if (done()) return {};
         const bool is_writing = What == call_of::both || machine_.now() == stage::writing;
-        if (is_writing && exchange_.state() == modbus::exchange::phase::ready) {
+        if (is_writing && exchange_.state() == line_type::exchange::phase::ready) {
             if (const errc why = link_->refusal(condition_);
                 why != errc::ok) { // while it waited for the line
                 link_->line().abandon(exchange_);
@@ -269,7 +269,7 @@ template <class Link> class stepped_request {
     servobus::status status_{errc::bad_argument};
     Link* link_;
     [[no_unique_address]] condition condition_{};
-    modbus::exchange exchange_;
+    typename line_type::exchange exchange_;
 };
 
 } // namespace servobus::detail
