@@ -117,7 +117,7 @@ class raw_client : protected detail::node_link<Line, Device, Node> {
         if (x.response_size() != room.size()) return errc::bad_argument;
         request_machine call = request_machine::transaction();
         status why = run(x);
-        if (why.was_sent() && !modbus::is_read(pdu[0]))
+        if (why.was_sent() && !modbus::only_reads(pdu))
             link::invalidate(link::all()); // any register may be written
         (void)call.goes_on(why, node_, same_bytes(room, sent), line_->is_echo_ruled_out());
         if (!why) return why;
@@ -146,7 +146,7 @@ class raw_client : protected detail::node_link<Line, Device, Node> {
             sent, byte_buffer{response}.first(most + 3), rule, line_->timing(), node_.limits, node_.priority};
         if (x.response_size() == 0) return errc::bad_argument;
         status why = run(x);
-        if (why.was_sent() && !modbus::is_read(pdu[0])) link::invalidate(link::all());
+        if (why.was_sent() && !modbus::only_reads(pdu)) link::invalidate(link::all());
         const std::size_t size = length_of(x);
         request_machine call = request_machine::transaction();
         (void)call.goes_on(why, node_, same_bytes(bytes{response}.first(size), sent),
@@ -162,7 +162,10 @@ class raw_client : protected detail::node_link<Line, Device, Node> {
     using link::node_;
     using typename link::crc;
 
-    constexpr raw_client(Line& on, Node at) : link{on, at} {}
+    constexpr raw_client(Line& on, Node at) : link{on, at} {
+        if constexpr (requires { Node::is_peer; })
+            static_assert(has_gateway<typename Line::port_type>, "a peer_node is for a line on Modbus TCP");
+    }
 
     /// Reads with retries. `frame` has room for the response.
     constexpr status read_some(byte_buffer frame, u16 address, slice<u16> words,

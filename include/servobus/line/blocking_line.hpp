@@ -72,6 +72,7 @@ class blocking_line : modbus::gathering<std::uint8_t, Lengths> {
 
   public:
     using lengths = Lengths;
+    using port_type = Port;
     static constexpr bool is_small = true;            ///< a client passes it constants where it can
     using crc = Crc;                                  ///< the engine of all frames, built and checked
     static constexpr std::size_t longest_frame = 255; ///< bytes; function 10h needs no more
@@ -133,7 +134,8 @@ class blocking_line : modbus::gathering<std::uint8_t, Lengths> {
                 length = response.size();
             }
             if (IsBroadcast && modbus::has_count(modbus::like(request))) return 0; // it would read
-            if (IsBroadcast ? request[0] != modbus::broadcast : !modbus::is_node_address(request[0]))
+            if (IsBroadcast ? request[0] != modbus::broadcast
+                            : !modbus::is_node_address(request[0]) && request[0] != modbus::peer_address)
                 return 0;
             return length >= 5 && length <= response.size() && length <= longest_frame ? length : 0;
         }

@@ -40,6 +40,7 @@ template <port Port, observer Observer = counters, class Echo = unechoed,
 class line {
   public:
     using lengths = Lengths;
+    using port_type = Port;
     using exchange = modbus::basic_exchange<modbus::default_crc, Lengths>;
     using crc = exchange::crc; ///< the engine of all frames, built and checked
     static constexpr bool is_small = false;

@@ -24,6 +24,7 @@
 #include <servobus/core/bytes.hpp>
 #include <servobus/line/port.hpp>
 #include <servobus/modbus/crc16.hpp>
+#include <servobus/modbus/pdu.hpp>
 
 namespace servobus {
 
@@ -48,6 +49,9 @@ template <port Stream> class mbap_port {
     }
     /// True if the port was lost since what came is no MBAP frame: the peer may carry RTU frames as they are.
     bool is_foreign() const { return is_foreign_; }
+    /// The unit of frames to `modbus::peer_address` (client/peer_node.hpp): 255, which the guide recommends, or 0, which
+    /// some devices demand. On Modbus TCP both are the device at the other end, and not all nodes behind it.
+    void set_peer_unit(std::uint8_t unit) { peer_unit_ = unit; }
     Stream& stream() { return stream_; }
     const Stream& stream() const { return stream_; }
 
@@ -65,6 +69,8 @@ template <port Stream> class mbap_port {
             static_cast<std::uint8_t>(size >> 8),    static_cast<std::uint8_t>(size)};
         for (std::size_t i = 0; i < header_size; ++i) out_[i] = header[i];
         for (std::size_t i = 0; i < size; ++i) out_[header_size + i] = frame[i];
+        is_to_peer_ = frame[0] == modbus::peer_address;
+        if (is_to_peer_) out_[header_size] = peer_unit_;
         sent_ = 0;
         sending_ = header_size + size;
         ready_ = taken_ = 0;
@@ -146,6 +152,7 @@ template <port Stream> class mbap_port {
         const bool is_awaited = sending_ != 0 && ready_ == 0;
         if (is_awaited && number == number_) {
             for (std::size_t i = 0; i < size; ++i) response_[i] = in_[header_size + i];
+            if (is_to_peer_ && response_[0] == peer_unit_) response_[0] = modbus::peer_address;
             const std::uint16_t crc = modbus::crc16(bytes{response_}.first(size));
             response_[size] = static_cast<std::uint8_t>(crc);
             response_[size + 1] = static_cast<std::uint8_t>(crc >> 8);
@@ -167,6 +174,8 @@ template <port Stream> class mbap_port {
     std::size_t ready_ = 0;   ///< of `response_`; 0 until it has arrived
     std::size_t taken_ = 0;
     std::uint16_t number_ = 0;
+    std::uint8_t peer_unit_ = modbus::peer_address;
+    bool is_to_peer_ = false; ///< the last request
     bool is_broken_ = false;
     bool is_foreign_ = false;
 };

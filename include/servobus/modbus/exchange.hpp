@@ -306,7 +306,7 @@ class basic_exchange : gathering<std::uint16_t, Lengths> {
     static constexpr bool is_sound(bytes request) {
         if (request.size() < min_frame || request.size() > max_frame) return false;
         if (request[1] == 0 || request[1] >= exception_flag) return false;
-        if (is_node_address(request[0])) return true;
+        if (is_node_address(request[0]) || request[0] == peer_address) return true;
         return request[0] == broadcast && !has_count(like(request)); // which would read
     }
 

@@ -57,6 +57,10 @@ enum class exception : std::uint8_t {
 /// frame of the node itself these numbers mean what the device says.
 constexpr bool is_of_gateway(std::uint8_t number) { return (number | 1) == 0x0B; }
 
+/// The address of the device at the other end of a Modbus TCP connection (Modbus Messaging on TCP/IP Implementation
+/// Guide V1.0b, 4.4.2). On a serial line it is reserved.
+inline constexpr std::uint8_t peer_address = 255;
+
 inline constexpr std::uint8_t exception_flag = 0x80; ///< set in the function code of an exception response
 inline constexpr std::size_t max_pdu = 253;          ///< bytes
 inline constexpr std::uint16_t max_read = 125;       ///< registers in a read

@@ -36,6 +36,19 @@ constexpr bool has_count(std::uint8_t like) { return like <= 0x04; }
 /// True if a response that repeats its request has a value at the place of a quantity.
 constexpr bool repeats_a_value(std::uint8_t like) { return like != 0x0F && like != 0x10; }
 
+/// True for a request PDU of the standard that changes nothing in a device. It is not empty.
+constexpr bool only_reads(bytes pdu) {
+    switch (pdu[0]) {
+    case 0x07:
+    case 0x0B:
+    case 0x0C:
+    case 0x11:
+    case 0x18: return true;
+    case 0x2B: return pdu.size() > 1 && pdu[1] == 0x0E; // other MEI types may write
+    }
+    return pdu[0] <= 0x04;
+}
+
 inline constexpr std::uint16_t any_length = 0xFFFF; ///< a request does not say how long its response is
 
 /// The length of the response frame to `request`, a frame; 0 if the length or the quantity of the request is wrong.

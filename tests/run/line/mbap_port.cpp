@@ -6,11 +6,13 @@
 #include <array>
 #include <cstdint>
 #include <deque>
+#include <functional>
 #include <vector>
 
 #include <doctest/doctest.h>
 
 #include <servobus/client/client.hpp>
+#include <servobus/client/peer_node.hpp>
 #include <servobus/line/line.hpp>
 #include <servobus/line/mbap_port.hpp>
 
@@ -34,7 +36,7 @@ struct script {
     bool has_given = false;                     // bytes were received
     std::uint32_t us = 0;
     std::size_t answered = 0; // of `taken`
-    byte_list (*answers)(const byte_list&) = nullptr;
+    std::function<byte_list(const byte_list&)> answers = nullptr;
 };
 
 struct stream {
@@ -285,6 +287,53 @@ TEST_CASE("G32: what is no RTU frame is not sent") {
     CHECK(s.port.send(byte_list{17, 3, 0}).error() == errc::send_failed);
     CHECK(s.port.send(byte_list(257)).error() == errc::send_failed);
     CHECK(s.peer.taken.empty());
+}
+
+TEST_CASE("Modbus TCP: units 255 and 0 are the device at the other end, and its response is awaited") {
+    for (const std::uint8_t unit : {std::uint8_t{255}, std::uint8_t{0}}) {
+        CAPTURE(unit);
+        scene s;
+        if (unit != 255) s.port.set_peer_unit(unit);
+        bool is_silent = false;
+        s.peer.answers = [&](const byte_list& request) {
+            if (is_silent) return byte_list{};
+            byte_list r{request[0], request[1], 0, 0, 0, 6, request[6]};
+            r.insert(r.end(), request.begin() + 7, request.begin() + 12); // a write is repeated
+            if (request[7] == 3) r = {request[0], request[1], 0, 0, 0, 5, request[6], 3, 2, 0x12, 0x34};
+            return r;
+        };
+        client peer{s.wire, peer_node<scene::unlisted>{}};
+        std::uint16_t word[1]{};
+        REQUIRE(peer.read_words(7, word).error() == errc::ok);
+        CHECK(word[0] == 0x1234);
+        CHECK(s.peer.taken == byte_list{0, 1, 0, 0, 0, 6, unit, 3, 0, 7, 0, 1});
+        CHECK(peer.write_word(8, 5));
+        std::array<std::uint8_t, 5> response{};
+        CHECK(peer.transact(byte_list{6, 0, 8, 0, 5}, response));
+        is_silent = true;
+        const status lost = peer.write_word(8, 5); // no broadcast: it is not done without a response
+        CHECK(lost.error() == errc::timeout);
+        CHECK(lost.was_sent());
+        peer.node().address = 17; // then it is no peer any more
+        CHECK(peer.write_word(8, 5).error() == errc::bad_argument);
+    }
+}
+
+TEST_CASE("Modbus TCP: a response of another unit is not the peer's, and a broadcast stays one") {
+    scene s;
+    s.port.set_peer_unit(0);
+    s.peer.answers = [&](const byte_list& request) {
+        byte_list r{request[0], request[1], 0, 0, 0, 5, 17, 3, 2, 0x12, 0x34};
+        return request[7] == 3 ? r : byte_list{request[0], request[1], 0, 0, 0, 3, request[6], 0x86, 0x0A};
+    };
+    client peer{s.wire, peer_node<scene::unlisted>{}};
+    std::uint16_t word[1]{};
+    CHECK(peer.read_words(7, word).error() == errc::timeout);
+    client all{s.wire, node<scene::unlisted>{17}};
+    static constexpr reg<u16, access::rw, scene::unlisted> row{8, full<u16>, no_unit, 0};
+    CHECK(all.broadcast<row>(5).error() == errc::gateway_exception);
+    s.peer.answers = nullptr;
+    CHECK(all.broadcast<row>(5)); // nobody refuses it
 }
 
 } // namespace mbap_port_tests

@@ -71,7 +71,7 @@ TEST_CASE(
     CHECK(refused({1}));
     CHECK(refused({1, 3, 0}));
     CHECK(refused(byte_list(257, 1)));
-    for (unsigned node_address = 0; node_address <= 255; ++node_address) {
+    for (unsigned node_address = 0; node_address <= 254; ++node_address) {
         byte_list request = framed({static_cast<std::uint8_t>(node_address), 3, 0, 0, 0, 1});
         CHECK(refused(request) ==
               (node_address == 0 || node_address > 247)); // G30: a broadcast read is refused
@@ -80,6 +80,7 @@ TEST_CASE(
         request = framed({static_cast<std::uint8_t>(node_address), 6, 0, 0, 0, 1});
         CHECK(refused(request) == (node_address > 247));
     }
+    CHECK(!refused(framed({255, 3, 0, 0, 0, 1}))); // on Modbus TCP the peer
     CHECK(refused(framed({1, 3, 0, 0, 0, 0})));
     CHECK(refused(framed({1, 3, 0, 0, 0, 126})));
     CHECK(refused(framed({1, 3, 0, 0, 1, 1})));
