@@ -28,10 +28,14 @@ BEFORE = """#include <array>
 #include <span>
 #include <fcntl.h>
 #include <servobus/servobus.hpp>
+#include <servobus/any_device.hpp>
+#include <servobus/client/identification.hpp>
+#include <servobus/client/peer_node.hpp>
 #include <servobus/device/c630s.hpp>
 #include <servobus/device/yako.hpp>
 #include <servobus/device/zlac8015d.hpp>
 #include <servobus/device/zlac8015d/catalogue.hpp>
+#include <servobus/posix/mbap.hpp>
 #include <servobus/posix/serial.hpp>
 #include <servobus/sim/c630s.hpp>
 #include <servobus/sim/line.hpp>
@@ -46,6 +50,19 @@ SERVO = WIRE + "inline c630s::drive servo{wire, 1};"
 NODES = """constexpr node<zlac8015d::device> wheels_node{1};
 constexpr node<yako::closed_loop::device> lift_node{2};
 constexpr node<zlac8015d::device> pump_node{3};"""
+TANK = """namespace tank {
+struct device { static constexpr profile facts{.name = "tank"}; };
+inline constexpr coil<access::rw, device> valve{3};
+inline constexpr input_reg<u16, device> level{0, full<u16>, no_unit, no_default};
+inline constexpr input_reg<i16, device> temperature{1, full<i16>, units::degree_celsius / 10, no_default};
+inline constexpr reg<u16, access::rw, device> options{0, full<u16>, no_unit, 0};
+inline constexpr reg<u16, access::rw, device> ramp{3, {10, 5000}, units::millisecond, 500};
+inline constexpr reg<u16, access::ro, device> state{4, full<u16>, no_unit, 0};
+}
+using units::millisecond;"""
+SENSOR = TANK + """inline posix::serial serial;
+inline line<posix::serial, counters, unechoed, modbus::open_lengths> wire{serial, modbus::timing_at(115200)};
+inline client io{wire, node<tank::device>{9}};"""
 # What an example speaks of without making it: by header, or for all headers of a folder.
 GIVEN = {
     "bus/bus.hpp": NODES + WIRE + """inline constexpr poll_plan plan{
@@ -55,6 +72,14 @@ GIVEN = {
         void show(reading<zlac8015d::bus_voltage>);""",
     "bus/plan.hpp": NODES,
     "bus/plan_entries.hpp": NODES,
+    "any_device.hpp": TANK + WIRE,
+    "client/identification.hpp": SENSOR,
+    "client/peer_node.hpp": TANK,
+    "client/stepped_tables.hpp": SENSOR,
+    "client/tables.hpp": SENSOR,
+    "modbus/response_lengths.hpp": TANK + UART,
+    "registers/coil_value.hpp": TANK,
+    "registers/table_readings.hpp": TANK,
     "client/": WIRE + "inline client servo{wire, node<c630s::device>{1}};",
     "control/": WIRE + "inline zlac8015d::drive wheels{wire, 1, unsupervised};",
     "device/c630s/": SERVO,

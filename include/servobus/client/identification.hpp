@@ -4,8 +4,8 @@
 // Reads what a device says of itself, function 2Bh/0Eh, in as many parts as it takes. The line has
 // `modbus::open_lengths`. Programs include it to find out which device is there.
 //
-//     const auto print = [](const modbus::identification_object& o) { // 0 vendor, 1 product, 2 revision
-//         std::printf("%u: %.*s\n", unsigned{o.id}, int(o.value.size()), reinterpret_cast<const char*>(o.value.data()));
+//     const auto print = [](const modbus::identification_object& o) { // 0: vendor, 1: product, 2: revision
+//         for (const std::uint8_t letter : o.value) std::putchar(letter);
 //     };
 //     if (!read_identification(io, modbus::identification::basic, print)) return 1;
 #pragma once

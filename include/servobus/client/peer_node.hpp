@@ -4,9 +4,10 @@
 // The device at the other end of a Modbus TCP connection itself: a gateway's own registers, or a device that is on the
 // network. It has no address on a serial line. Programs include it that talk to such a device.
 //
-//     line wire{port, modbus::timing_at(115200)}; // port: a posix::mbap
-//     port.set_peer_unit(0);                      // if the device demands it; else 255
-//     client meter{wire, peer_node<meter_device>{}};
+//     posix::mbap port;
+//     port.set_peer_unit(0); // if the device demands it; else 255
+//     line wire{port, modbus::timing_at(115200)};
+//     client meter{wire, peer_node<tank::device>{}};
 #pragma once
 
 #include <servobus/client/client.hpp>

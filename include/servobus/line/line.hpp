@@ -42,7 +42,7 @@ class line {
     using lengths = Lengths;
     using port_type = Port;
     using exchange = modbus::basic_exchange<modbus::default_crc, Lengths>;
-    using crc = exchange::crc; ///< the engine of all frames, built and checked
+    using crc = typename exchange::crc; ///< the engine of all frames, built and checked
     static constexpr bool is_small = false;
     static constexpr std::size_t longest_frame = modbus::max_frame; ///< bytes
     template <class, bool = false, bool = false, class = priority> using exchange_for = exchange;

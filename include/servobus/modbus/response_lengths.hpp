@@ -4,9 +4,11 @@
 // How a line finds the end of a response whose length its request does not tell. It is a parameter of the line: most
 // programs have only responses of known lengths, and pay nothing. The lines include it.
 //
-//     line<my_port, counters, unechoed, modbus::open_lengths> wire{port, modbus::timing_at(19200)};
-//     const auto answer = io.transact(request, room, modbus::length_rule::of_function()); // io: a client on it
-//     const auto own = io.transact(my_request, room, modbus::length_rule::counted(2));    // its third byte counts the rest
+//     line<my_uart, counters, unechoed, modbus::open_lengths> wire{uart, modbus::timing_at(19200)};
+//     client io{wire, node<tank::device>{9}};
+//     std::uint8_t room[64]{};
+//     const auto who = io.transact(hex("11"), room, modbus::length_rule::of_function());
+//     const auto own = io.transact(hex("41 07"), room, modbus::length_rule::counted(2)); // the third byte counts the rest
 #pragma once
 
 #include <servobus/core/cxx20.hpp>

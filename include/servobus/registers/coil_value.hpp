@@ -3,7 +3,7 @@
 //
 // What is written to a coil: true or false, and nothing that converts to it. registers/tables.hpp includes it.
 //
-//     const register_value<tank::valve> open{true}; // tank::valve: a coil
+//     constexpr register_value<tank::valve> open{true}; // tank::valve: a coil
 //     static_assert(open.bits() == 1);
 #pragma once
 
