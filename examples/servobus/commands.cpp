@@ -73,6 +73,10 @@ constexpr option scan_options[] = {
     {"baud", "LIST", "rates, with commas (default 9600,19200,38400,57600,115200)", common_rates},
     {"format", "LIST", "formats, with commas (default 8N1,8N2)", character_formats},
     {"nodes", "A-B", "addresses (default 1-247)"},
+    {"identify", "",
+     "asks each device that responds what it is, by function 2Bh, and by 11h if it does not say so: vendor, "
+     "product, "
+     "revision and more"},
     {"timeout", "MS", "how long a response may take to begin (default 50)"},
     {"echo", "on|off", "on: the adapter receives what it sends, and what it receives is compared"},
 };

@@ -44,6 +44,8 @@ class Device:
         self.delays: list[float] = []  # s, before the next responses
         self.pause = 0.0  # s, inside each response on a terminal
         self.is_pulled_by_write = False  # a terminal ends in place of the response
+        self.identification: dict[int, list[bytes]] = {}  # by kind, the parts of function 2Bh after its kind
+        self.server_id = b""
 
     def response_to(self, pdu: bytes) -> bytes:
         self.requests.append(pdu)
@@ -57,8 +59,13 @@ class Device:
                 return bytes([code | 0x80, 2])
             data = packed(rows) if code < 3 else struct.pack(f">{count}H", *rows)
             return bytes([code, len(data)]) + data
+        if code == 43 and pdu[2] in self.identification:
+            parts = self.identification[pdu[2]]
+            return pdu[:3] + next(part for part in parts if part[4] == pdu[3])
+        if code == 17 and self.server_id:
+            return bytes([17, len(self.server_id)]) + self.server_id
         if code not in (5, 6, 15, 16):
-            return bytes([code | 0x80, 1])
+            return bytes([code | 0x80, 3 if code == 43 and self.identification else 1])
         first, value = struct.unpack(">HH", pdu[1:5])
         if code in (5, 6):
             values = [value] if code == 6 else [value == 0xFF00]
@@ -85,7 +92,7 @@ def size_of_request(begun: bytes) -> int:
         return 8
     if begun[1] in (15, 16):
         return 9 + begun[6] if len(begun) > 6 else 9
-    return 8
+    return {17: 4, 43: 7}.get(begun[1], 8)
 
 
 @contextmanager
@@ -206,10 +213,12 @@ class Gateway:
                     answer = self.answer(pdu)
                     connection.sendall(head[:4] + (len(answer) + 1).to_bytes(2, "big") + head[6:7] + answer)
                 else:
-                    frame = self.receive(connection, 8)
-                    frame += self.receive(connection, size_of_request(frame) - 8)
-                    if len(frame) < 8:
-                        return
+                    frame = self.receive(connection, 4)
+                    while len(frame) < size_of_request(frame):
+                        more = self.receive(connection, 1)
+                        if not more:
+                            return
+                        frame += more
                     answer = frame[:1] + self.answer(frame[1:-2])
                     connection.sendall(answer + crc(answer))
             except OSError:

@@ -5,6 +5,7 @@ import sys
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
+from any_device import Device, Gateway, on_terminal
 from programs import Tool, play_tool, scene
 
 
@@ -47,6 +48,41 @@ def scanned_once(tool: Tool):
         tool.run("scan drive --nodes 2 --baud 115200 --format 8N1")
         tool.out_is("scan: one rate is shown as it was given", "115200 8N1 2 zlac8015d")
         tool.err_lacks("scan: without a remark", "pseudo-terminal")
+
+
+def objects(*texts: tuple[int, bytes]) -> bytes:
+    return bytes([len(texts)]) + b"".join(bytes([number, len(text)]) + text for number, text in texts)
+
+
+@scene("pty", "tcp", "mbap")
+def identified(tool: Tool, scheme: str):
+    """By function 2Bh in one part or in several, else by 11h, else not."""
+    regular = Device()
+    # After the kind: conformity, more follows, next object, and the objects.
+    regular.identification[2] = [b"\x82\xff\x01" + objects((0, b"Acme")),
+                                 b"\x82\x00\x00" + objects((1, b"P-\"1"), (2, b"V2\xff"), (0x80, b"x"))]
+    basic = Device()
+    basic.identification[1] = [b"\x01\x00\x00" + objects((0, b"Acme"), (1, b"P-1"), (2, b"V2"))]
+    older = Device()
+    older.server_id = b"pump\xff"
+    for device, said in [
+        (regular, r'vendor "Acme", product code "P-\x221", revision "V2\xFF", object 80 "x"'),
+        (basic, 'vendor "Acme", product code "P-1", revision "V2"'),
+        (older, r'server ID "pump\xFF"'),
+        (Device(), "no identification"),
+    ]:
+        with on_terminal(device) if scheme == "pty" else Gateway(device, scheme) as port:
+            name = port if scheme == "pty" else port.name
+            tool.run(f"scan {name} --nodes 1 --identify --timeout 2000")
+            tool.out_is(f"{scheme}: scan --identify: {said}", f"- - 1 unknown device: {said}")
+    tool.check(f"{scheme}: who is not asked says nothing", all(pdu[0] == 3 for pdu in asked_without(tool, scheme)))
+
+
+def asked_without(tool: Tool, scheme: str) -> list[bytes]:
+    device = Device()
+    with on_terminal(device) if scheme == "pty" else Gateway(device, scheme) as port:
+        tool.run(f"scan {port if scheme == 'pty' else port.name} --nodes 1 --timeout 2000")
+    return device.requests
 
 
 @scene()

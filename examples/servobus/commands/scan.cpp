@@ -1,13 +1,16 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// servobus scan: who answers on a line, at which rate and address, and which of the known drives it is.
+// servobus scan: who answers on a line, at which rate and address, and which of the known drives it is, or what it says of
+// itself.
 #include <cstdio>
 
+#include <servobus/client/identification.hpp>
 #include <servobus/client/scan.hpp>
 #include <servobus/device/c630s/registers.hpp>
 #include <servobus/device/yako/common.hpp>
 #include <servobus/device/zlac8015d/registers.hpp>
+#include <servobus/modbus/diagnostics.hpp>
 
 #include "../os/interrupts.hpp"
 #include "../session.hpp"
@@ -19,7 +22,9 @@ namespace {
 
 using servobus::finding;
 using servobus::presence;
-using scanned_line = session::line_type;
+// Identifications have no fixed length.
+using scanned_line =
+    servobus::line<any_port, servobus::counters, servobus::echoed, servobus::modbus::open_lengths>;
 
 std::vector<std::string> split(std::string_view text) {
     std::vector<std::string> parts;
@@ -50,6 +55,53 @@ const char* name_of(scanned_line& on, std::uint8_t node_address, const servobus:
     return "unknown device";
 }
 
+const char* name_of_object(std::uint8_t id) {
+    static constexpr const char* names[] = {"vendor",       "product code", "revision",        "vendor URL",
+                                            "product name", "model name",   "application name"};
+    return id < std::size(names) ? names[id] : nullptr;
+}
+// Text in quotes; what is no printable ASCII as \\xNN.
+std::string quoted(servobus::bytes text) {
+    std::string all = "\"";
+    for (const std::uint8_t byte : text) {
+        char shown[5];
+        const bool is_plain = byte >= 0x20 && byte < 0x7F && byte != '"' && byte != '\\';
+        std::snprintf(shown, sizeof shown, is_plain ? "%c" : "\\x%02X", unsigned{byte});
+        all += shown;
+    }
+    return all + "\"";
+}
+// What a device says of itself, by function 2Bh or 11h.
+std::string identification_of(scanned_line& on, std::uint8_t node_address,
+                              const servobus::response_limits& limits) {
+    namespace modbus = servobus::modbus;
+    servobus::client device{on, servobus::node<any_device>{node_address}};
+    device.node().limits = limits;
+    device.node().read_retries = 1;
+    std::string said;
+    const auto add = [&said](const modbus::identification_object& object) {
+        char number[16];
+        std::snprintf(number, sizeof number, "object %02X", unsigned{object.id});
+        const char* name = name_of_object(object.id);
+        said += (said.empty() ? "" : ", ") + std::string{name != nullptr ? name : number} + " " +
+                quoted(object.value);
+    };
+    // A device that has the basic objects only may refuse the regular ones.
+    for (const auto kind : {modbus::identification::regular, modbus::identification::basic}) {
+        const servobus::status why = read_identification(device, kind, add);
+        if (why || !said.empty())
+            return said + (why ? "" : ", and no more: " + std::string{text(why.error())});
+        if (why.error() != servobus::errc::exception) break;
+    }
+    std::uint8_t room[modbus::max_pdu];
+    std::uint8_t request[1];
+    (void)modbus::put_bare_request(request, modbus::function::report_server_id);
+    const auto response = device.transact(request, room, modbus::length_rule::of_function());
+    if (!response) return "no identification";
+    const auto id = modbus::parse_server_id(*response);
+    return id ? "server ID " + quoted(*id) : "no identification";
+}
+
 struct plan {
     std::vector<std::uint32_t> rates;
     std::vector<std::string> formats;
@@ -57,6 +109,7 @@ struct plan {
     std::uint8_t last = 247;
     servobus::response_limits limits{};
     bool echoes = false;
+    bool identifies = false;
     bool has_setting = true; ///< false: a gateway has it, or the port has no wire
 };
 
@@ -97,6 +150,7 @@ std::optional<plan> plan_of(const arguments& asked) {
     if (!timeout || !echoes) return std::nullopt;
     p.limits.response = servobus::milliseconds(static_cast<std::uint32_t>(*timeout));
     p.echoes = *echoes;
+    p.identifies = asked.has("identify");
     return p;
 }
 
@@ -131,9 +185,11 @@ int scan_at(const char* path, std::uint32_t baud, const std::string& format, pla
                                         why_text(target{}, f.why, port));
         }
         if (f.what != presence::no_response) {
-            const char* who = f.what == presence::garbled ? "garbled" : name_of(on, node, p.limits);
+            const bool is_garbled = f.what == presence::garbled;
+            std::string who = is_garbled ? "garbled" : name_of(on, node, p.limits);
+            if (p.identifies && !is_garbled) who += ": " + identification_of(on, node, p.limits);
             shown.end();
-            std::printf("%s %u %s\n", setting.c_str(), node_address, who);
+            std::printf("%s %u %s\n", setting.c_str(), node_address, who.c_str());
             if (!streams::flush()) return failed;
             ++found;
             garbled += f.what == presence::garbled ? 1u : 0u;
