@@ -19,7 +19,7 @@ MOST_LINES = 5
 STATEMENT = re.compile(r"^(if|for|while|return|\(void\)|[a-z_.]+\()", re.M)
 
 # Rooms of which each public header must have an example.
-WITH_EXAMPLES = {"core", "modbus", "registers", "explain", "sim", "posix", "bus", "client", "control", "line", "device"}
+WITH_EXAMPLES = {"core", "modbus", "registers", "explain", "sim", "posix", "bus", "client", "control", "line", "device", "server"}
 
 BEFORE = """#include <array>
 #include <cerrno>
@@ -45,6 +45,15 @@ BEFORE = """#include <array>
 """
 UART = """struct my_uart { transfer send(bytes); bool sent(); transfer receive(byte_buffer); instant now(); };
 inline my_uart uart;"""
+TANK = """struct tank_device { static constexpr profile facts{.name = "tank"}; };
+namespace tank {
+constexpr reg<u16, access::rw, tank_device> lowest{0, {0, 900}, no_unit, 0}, highest{1, {0, 900}, no_unit, 900};
+constexpr reg<i32, access::ro, tank_device> level{2, full<i32>, no_unit, 0};
+constexpr reg<u16, access::ro, tank_device> temperature{4, {0, 150}, no_unit, 20};
+constexpr input_reg<u32, tank_device> uptime{0, full<u32>, no_unit, 0};
+constexpr coil<access::rw, tank_device> valve{3};
+}
+"""
 WIRE = "inline posix::serial serial; inline line wire{serial, modbus::timing_at(115200)};"
 SERVO = WIRE + "inline c630s::drive servo{wire, 1};"
 NODES = """constexpr node<zlac8015d::device> wheels_node{1};
@@ -91,6 +100,8 @@ GIVEN = {
     "line/echo.hpp": WIRE,
     "line/observer.hpp": UART,
     "line/ring.hpp": UART,
+    "server/": TANK,
+    "server/row_server.hpp": TANK + UART,
     "line/tcp_open.hpp": """struct address { const address* ai_next; }; inline const address* found = nullptr;
         instant clock_now(); errc connect_to(const address&, duration);""",
     "posix/descriptor.hpp": 'constexpr const char* path = "/dev/ttyUSB0";',

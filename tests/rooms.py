@@ -13,6 +13,7 @@ MAY_INCLUDE = {
     "modbus": "core",
     "registers": "core",
     "line": "core modbus",
+    "server": "core modbus registers line",
     "client": "core modbus registers line",
     "control": "core modbus registers line client",
     "bus": "core modbus registers line client control",

@@ -166,7 +166,7 @@ template <const auto&... Rs> class readings {
 };
 
 /// The value of register `R` in the result of `read<...>()`: the free twin of `readings::get`.
-template <const auto& R, const auto&... Rs> constexpr reading<R> get(const readings<Rs...>& from) {
+template <const auto& R, const auto&... Rs> constexpr auto get(const readings<Rs...>& from) {
     return from.template get<R>();
 }
 
