@@ -5,12 +5,13 @@
 // serial line and executes them by it; a program that gets PDUs in another way, such as Modbus TCP, includes it.
 //
 //     constexpr auto answer = [](auto& values, auto& pdu, std::size_t size) { // `pdu`: an array of 253 bytes
-//         return request_executor<std::remove_reference_t<decltype(values)>, with_mask_write>{values}.execute(pdu, size);
+//         using values_of_device = std::remove_reference_t<decltype(values)>;
+//         return request_executor<values_of_device, with_mask_write>{values}.execute(pdu, size);
 //     };
 //
-// The rows bring along the functions that read their tables (01 .. 04) and write them (05, 06, 0Fh, 10h). The checks have
-// the order of the standard: the function (exception 1), quantity and byte count (3), the addresses (2), the values (3).
-// A request is checked whole before anything changes.
+// The rows bring along the functions that read their tables (01 .. 04) and write them (05, 06, 0Fh, 10h). The checks
+// have the order of the standard: the function (exception 1), quantity and byte count (3), the addresses (2), the
+// values (3). A request is checked whole before anything changes.
 //
 // Source: Modbus Application Protocol V1.1b3, section 6.
 #pragma once

@@ -10,7 +10,7 @@
 #include <cstdint>
 #include <memory>
 
-#include <examples/own_device/hoist.hpp>
+#include <examples/own_device/hoist_server.hpp>
 #include <tests/support/row_model.hpp>
 #include <tests/support/served_rows.hpp>
 
@@ -21,10 +21,7 @@ using row_model::byte_list;
 
 namespace {
 
-using hoist_values =
-    row_values<hoist::operating_mode, hoist::speed, hoist::ramp, hoist::target, hoist::current_limit,
-               hoist::options, hoist::status_word, hoist::position, hoist::load, hoist::fault,
-               hoist::temperature, hoist::voltage, hoist::pump, hoist::fan, hoist::lamp, hoist::horn>;
+using hoist_values = hoist::values;
 using hoist_executor = request_executor<hoist_values, with_mask_write>;
 
 row_model::device description_of_hoist() {

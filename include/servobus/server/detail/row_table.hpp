@@ -2,7 +2,8 @@
 // SPDX-License-Identifier: BSL-1.0
 //
 // Internal: the table that the compiler makes of a server's rows. It is sorted by table and address, and each row has
-// the place of its value. A row takes 4 bytes of flash, and the range of a writable register 4, or 8 if it has two words.
+// the place of its value. A row takes 4 bytes of flash. The range of a writable register takes 4, or 8 if it has two
+// words.
 #pragma once
 
 #include <cstddef>

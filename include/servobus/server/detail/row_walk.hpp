@@ -42,8 +42,9 @@ template <class Values, bool HasProbe> class row_walk {
     /// row counts before a value, wherever each is.
     [[gnu::noinline]] static constexpr unsigned go(Values& values, walk_step what, unsigned of,
                                                    unsigned address, unsigned quantity, std::uint8_t* data) {
-        const served_row* row = find(of, address);
-        if (row == nullptr) return illegal_address;
+        const unsigned first = find(of, address);
+        if (first == missing) return illegal_address;
+        const served_row* const row = Values::flash.rows + first;
         const auto step = static_cast<u32>(what);
         if (has_bits && (!has_words || of < 2)) return bits(values, step, row, quantity, data);
         return words(values, step, row, quantity, data);
@@ -52,22 +53,23 @@ template <class Values, bool HasProbe> class row_walk {
   private:
     static constexpr u32 probe_flag = 0x1'0000, store_flag = 0x2'0000, wrong_flag = 0x4'0000;
 
-    static constexpr const served_row* find(unsigned of, unsigned address) {
+    // The number of a row; `missing` if the table has none at this address. A binary search.
+    static constexpr unsigned missing = ~0u;
+    static constexpr unsigned find(unsigned of, unsigned address) {
         const auto& flash = Values::flash;
         unsigned low = flash.first[of];
-        unsigned count = flash.first[of + 1] - low;
-        const served_row* row = flash.rows + low;
-        while (count != 0) { // a binary search
-            const unsigned half = count / 2;
-            if (row[half].address == address) return row + half;
-            if (row[half].address < address) {
-                row += half + 1;
-                count -= half + 1;
+        unsigned high = flash.first[of + 1];
+        while (low != high) {
+            const unsigned middle = (low + high) / 2;
+            const unsigned there = flash.rows[middle].address;
+            if (there == address) return middle;
+            if (there < address) {
+                low = middle + 1;
             } else {
-                count = half;
+                high = middle;
             }
         }
-        return nullptr;
+        return missing;
     }
 
     static constexpr unsigned word_at(const std::uint8_t* p) { return p[0] * 256u + p[1]; }
