@@ -15,6 +15,7 @@
 
 #include "program.hpp"
 #include "tank.hpp"
+#include "served.hpp"
 
 namespace c630s = servobus::c630s;
 using namespace servobus::c630s::literals;
@@ -68,6 +69,26 @@ inline constexpr servobus::step stop =
     servobus::steps::repeatable(servobus::steps::write<zlac::control_word>(zlac::control_code::stop));
 inline constexpr servobus::step too = servobus::steps::after_a_stop(servobus::steps::repeatable(
     servobus::steps::write_zero<zlac::left_target_torque, zlac::right_target_torque>()));
+
+struct hooks {
+    std::uint8_t before_write(const tank_changes&) { return 0; }
+    void after_write(const tank_changes&) {}
+};
+inline void serve() {
+    (void)servobus::row_values<tank::dose, tank::flow>{};
+    (void)servobus::row_values<tank::flow, tank::limit>{};
+    (void)servobus::row_values<tank::limit, tank::flow>{};
+    tank_values values;
+    (void)values.get<tank::flow>();
+    (void)values.set<tank::flow>(1000);
+    int flow = tank::measured_flow();
+    (void)values.set<tank::flow>(servobus::checked(flow));
+    (void)values.set<tank::valve>(true);
+    (void)servobus::row_values<servobus::computed<tank::flow, tank::measured_flow>>{};
+    hooks own;
+    (void)servobus::request_executor<tank_values, servobus::with_hooks<hooks>>{values, own};
+    (void)servobus::request_executor<tank_values, servobus::with_mask_write>{values};
+}
 
 // clang-format off
 namespace modbus = servobus::modbus;

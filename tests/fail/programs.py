@@ -19,7 +19,7 @@ HEAD = """# Compile errors and their mends
 
 Each of these lines is wrong and does not compile. The compiler's error, often a dozen lines, contains the words
 given here; look for them. `drive` is a client of a ZLAC8015D, `zlac` is `servobus::zlac8015d`, `units` is
-`servobus::units`. The figures of a plan's errors are explained in
+`servobus::units`; `tank` is the device of [served.hpp](served.hpp). The figures of a plan's errors are explained in
 [plan_errors.hpp](../../include/servobus/bus/detail/plan_errors.hpp). This page is made by `programs.py` from the
 programs beside it, which the tests compile with g++ and clang++.
 """
