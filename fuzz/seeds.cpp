@@ -188,16 +188,45 @@ void functions(corpus& to, corpus& explain) {
     }
 }
 
+// The format of fuzz/fuzz_row_server.cpp: a byte for the clock; then what comes, after which time, and the bytes.
+void row_requests(corpus& to) {
+    const byte_list requests[]{{1, 0, 0, 0, 4},
+                               {2, 0, 7, 0, 3},
+                               {3, 0, 0x12, 0, 4},
+                               {4, 0, 0x10, 0, 2},
+                               {5, 0, 1, 0xFF, 0},
+                               {6, 0, 0x10, 0, 2},
+                               {8, 0, 0, 0xA5, 0x37},
+                               {15, 0, 0, 0, 2, 1, 2},
+                               {17},
+                               {22, 0, 0x10, 0, 3, 0, 0},
+                               {43, 14, 1, 0},
+                               {43, 14, 3, 0},
+                               {16, 0, 0x10, 0, 4, 8, 0, 2, 0, 9, 0, 7, 0, 0},
+                               {23, 0, 0x10, 0, 1, 0, 0x10, 0, 1, 2, 0, 0}};
+    for (const byte_list& pdu : requests) {
+        for (const unsigned what : {1u, 17u, 25u})
+            to.add("request_" + std::to_string(pdu[0]) + "_" + std::to_string(pdu.size()) + "_" +
+                       std::to_string(what),
+                   byte_list{0, low(what), 0x40, low(pdu.size() - 1)} + pdu);
+    }
+    for (const unsigned seed : {1u, 2u, 3u, 4u})
+        to.add("made_" + std::to_string(seed), {low(seed), 0xFF, 0, low(seed)});
+    to.add("pieces", {0, 8, 0, 3, 7, 3, 0, 8, 0x20, 5, 0x10, 0, 1, 1, 2, 8, 0x30, 2, 7, 7});
+}
+
 } // namespace
 
 int main() {
     corpus request{"request"}, response{"response"}, server{"server"}, exchange{"exchange"}, line{"line"},
         blocking_line{"blocking_line"}, explain{"explain"}, text{"text"}, simulators{"simulators"},
-        libmodbus{"libmodbus"}, of_functions{"functions"};
+        libmodbus{"libmodbus"}, of_functions{"functions"}, row_server{"row_server"};
     calls(line);
     blocking_line_calls(blocking_line);
     texts(text);
     functions(of_functions, explain);
+    functions(of_functions);
+    row_requests(row_server);
     std::uint8_t device = 0;
     for (const std::string manual : {"zlac8015d", "yako", "c630s"}) {
         const std::vector<printed> frames = frames_of("tests/manuals/" + manual + "_frames.csv");

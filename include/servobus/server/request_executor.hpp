@@ -87,7 +87,9 @@ template <class Values, class... Options> class request_executor {
     /// request: not 1 to 253 bytes, or a function code with the exception flag.
     template <std::size_t N> constexpr std::size_t execute(std::uint8_t (&pdu)[N], std::size_t size) {
         static_assert(N >= buffer_size, "the buffer of a request has at least buffer_size bytes");
-        return size == 0 || size > modbus::max_pdu ? 0 : execute_at(pdu, N, size);
+        return size == 0 || size > modbus::max_pdu
+                   ? 0
+                   : execute_at(pdu, N < modbus::max_pdu ? N : modbus::max_pdu, size);
     }
 
     /// True if a broadcast of this function may be executed, without a response. Nothing is read.

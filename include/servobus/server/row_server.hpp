@@ -95,7 +95,6 @@ class row_server : request_executor<Values, Options...> {
         if (answered == 0 || to == modbus::broadcast) return;
         add_to_crc(frame_, answered + 1);
         const std::uint16_t check = crc::end(crc_);
-        crc_ = crc::begin();
         frame_[answered + 1] = static_cast<std::uint8_t>(check & 0xFFu);
         frame_[answered + 2] = static_cast<std::uint8_t>(check >> 8);
         count_ = static_cast<u32>(answered + 3);

@@ -94,7 +94,6 @@ constexpr bool checks_in_the_order_of_the_standard() {
            is(hex("06 00 12 00 01"), hex("86 02")) &&                   // half of a pair
            is(hex("05 99 99 12 34"), hex("85 03")) &&                   // no coil value, before the address
            is(hex("05 00 02 FF 00"), hex("85 02")) &&                   // read-only
-           is(hex("0F 00 00 07 B1 F7"), hex("8F 03")) &&                // 1969 coils
            is(hex("10 00 10 00 02 04 00 03 00 00 00"), hex("90 03")) && // a byte too many
            is(hex("10 00 10 00 02 06 00 03 00 00 00 00"), hex("90 03")) &&
            // A bad value before a missing address, and the other way round.
@@ -178,6 +177,11 @@ struct hooked {
     }
 };
 
+constexpr char long_text[] =
+    "0123456789012345678901234567890123456789012345678901234567890123456789012345678901234567890123456789"
+    "01234567890123456789012345678901234567890123456789";
+inline constexpr identity long_objects[]{{0, long_text}, {1, long_text}, {2, "end"}};
+
 } // namespace
 
 TEST_CASE("the examples of the standard, the order of its checks, the functions of the rows") {
@@ -258,6 +262,10 @@ TEST_CASE("a request that is longer than the buffer is refused as a shorter one"
     coils.resize(6 + 246, 0xFF);
     CHECK(responds<example_executor>(all, coils, hex("8F 02")));
     CHECK(!all.get<c00>());
+    coils[4] = 0xB1; // 1969 coils
+    coils[5] = 247;
+    coils.push_back(0xFF);
+    CHECK(responds<example_executor>(all, coils, hex("8F 03")));
     byte_list echo{8, 0, 0};
     echo.resize(example_executor::buffer_size - example_executor::buffer_size % 2 + 1, 7);
     CHECK(responds<example_executor>(
@@ -286,6 +294,11 @@ TEST_CASE("an identification comes in as many parts as the buffer needs") {
     CHECK(parts > 1);
     CHECK(texts == std::vector<std::string>{"Works", "R-1", "1.0", "Rows of a test", "first of its own", "",
                                             "last of its own"});
+    // A larger buffer makes no response longer than a PDU.
+    std::uint8_t large[400]{0x2B, 0x0E, 1, 0};
+    CHECK(request_executor<served_rows::values, with_identification<long_objects>>{v}.execute(large, 4) ==
+          7 + 2 + 150);
+    CHECK(large[4] == 0xFF);
     const auto is = [&v](bytes request, bytes response) {
         return responds<served_rows::executor>(v, request, response);
     };

@@ -53,7 +53,6 @@ template <class Objects>
     constexpr std::uint8_t highest = Objects::begin()[Objects::count - 1].id;
     p[3] = highest >= 0x80 ? 0x83 : highest > 2 ? 0x82 : 0x81;
     p[4] = p[5] = p[6] = 0;
-    if (room > modbus::max_pdu) room = modbus::max_pdu;
     std::uint8_t* at = p + identification_head;
     for (; object != end && object->id <= last; ++object) {
         if (static_cast<std::size_t>(at - p) + 2 + object->size > room) { // the rest in another response
