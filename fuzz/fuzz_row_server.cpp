@@ -3,16 +3,20 @@
 //
 // A server of rows on a UART, fed with bytes and times; and many requests of all functions. It does what a plain model
 // does that is written apart from the library: it executes the frames that begin and end with a gap and responds with
-// the same bytes. Its buffer is exactly as long as its rows need.
+// the same bytes. Its buffer is exactly as long as its rows need. In host timing it executes the frames that a
+// reference accepts which keeps every division of the line into frames.
 #include <algorithm>
 #include <cstdint>
 #include <memory>
+#include <optional>
 
+#include <servobus/server/host_row_server.hpp>
 #include <servobus/server/row_server.hpp>
 
 #include "../tests/support/byte_times.hpp"
 #include "../tests/support/row_model.hpp"
 #include "../tests/support/served_rows.hpp"
+#include "reference.hpp"
 #include "support.hpp"
 
 using namespace servobus;
@@ -28,6 +32,11 @@ using server =
                with_identification<served_rows::about>, with_server_id<served_rows::id>>;
 
 const row_model::device description = served_rows::description();
+const row_model::device with_room = [] { // in host timing the buffer has room for each PDU
+    row_model::device d = description;
+    d.room = modbus::max_pdu;
+    return d;
+}();
 
 /// What a strict receiver makes of bytes with times.
 class listener {
@@ -163,10 +172,117 @@ class bench {
     byte_list expected_;
 };
 
+using host_server =
+    host_row_server<byte_times::uart, served_rows::values, with_mask_write, with_read_write, with_loopback,
+                    with_identification<served_rows::about>, with_server_id<served_rows::id>>;
+
+class host_bench {
+  public:
+    explicit host_bench(fuzz::input& in) : in_{&in} {}
+
+    void run() {
+        while (!in_->empty()) {
+            const unsigned what = in_->byte();
+            pass(fuzz::time_of(in_->byte()));
+            row_model::maker maker{description, in_->byte()};
+            byte_list body = what % 8 == 0 ? raw(in_->take(in_->byte())) : maker.request();
+            if (what % 8 != 0) {
+                constexpr std::uint8_t addresses[] = {node_address, node_address, 0, node_address + 1};
+                body.insert(body.begin(), addresses[what / 8 % 4]);
+                body = reference::framed(body);
+                if ((what & 0x80u) != 0) fuzz::cut(body, what);
+            }
+            receive(body);
+        }
+        pass(50'000);
+        pass(50'000);
+        require(!server_.is_answering(), "G9 after gaps the server is idle");
+        receive(reference::framed({node_address, 3, 0, 0x10, 0, 1}));
+        require(server_.is_answering(), "G9 G14 after a gap a request gets a response");
+        pass(50'000);
+    }
+
+  private:
+    static byte_list raw(bytes from) { return {from.begin(), from.end()}; }
+
+    void receive(const byte_list& all) {
+        for (const std::uint8_t b : all) {
+            port_.arrived.push_back(b);
+            const bool was_answering = server_.is_answering();
+            const auto due = was_answering ? std::nullopt : listener_.receive(b);
+            server_.step();
+            judge(was_answering, due);
+        }
+    }
+    // No byte comes for so long. The listener is told as the server can know it.
+    void pass(std::uint32_t us) {
+        for (unsigned i = 0; i < 60 && us > 600; ++i, us -= 600) step(600);
+        step(us);
+    }
+    void step(std::uint32_t us) {
+        port_.time.us += us;
+        gap_ += us;
+        const bool was_answering = server_.is_answering();
+        std::optional<byte_list> due;
+        if (!was_answering && has_received_) {
+            if (gap_ >= host_timing.t3_5) listener_.pause();
+            if (gap_ > host_timing.visible_gap().us) due = listener_.silence(true);
+        }
+        server_.step();
+        judge(was_answering, due);
+    }
+
+    void judge(bool was_answering, const std::optional<byte_list>& due) {
+        if (!port_.arrived.empty() || was_consumed()) gap_ = 0;
+        if (was_answering && !server_.is_answering()) {
+            require(port_.sent_bytes == expected_, "the response is the model's");
+            port_.sent_bytes.clear();
+            expected_.clear();
+            listener_.responded();
+            gap_ = 0;
+        }
+        if (due) {
+            const byte_list pdu{due->begin() + 1, due->end() - 2};
+            const bool writes = pdu[0] == 5 || pdu[0] == 6 || pdu[0] == 15 || pdu[0] == 16 || pdu[0] == 22;
+            if ((*due)[0] != 0 || writes) {
+                byte_list response = model_.respond(pdu);
+                if ((*due)[0] != 0 && !response.empty()) {
+                    response.insert(response.begin(), node_address);
+                    expected_ = reference::framed(response);
+                }
+            }
+        }
+        require(server_.is_answering() == !expected_.empty(),
+                "G13 G14 exactly the frames that are due are executed");
+    }
+    bool was_consumed() {
+        const bool is = consumed_ != port_.taken;
+        consumed_ = port_.taken;
+        has_received_ = has_received_ || is;
+        return is;
+    }
+
+    static constexpr modbus::rtu_timing host_timing = modbus::timing_at(115200);
+    fuzz::input* in_;
+    byte_times::uart port_{};
+    served_rows::values values_{};
+    host_server server_{port_, values_, node_address, host_timing};
+    row_model::model model_{with_room};
+    reference::listener listener_{node_address, 4, true};
+    byte_list expected_;
+    std::size_t consumed_ = 0;
+    std::uint32_t gap_ = 0;
+    bool has_received_ = false;
+};
+
 } // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     fuzz::input in{data, size};
-    bench{in}.run();
+    if (in.flag()) {
+        host_bench{in}.run();
+    } else {
+        bench{in}.run();
+    }
     return 0;
 }

@@ -139,7 +139,9 @@ inline byte_list respond(registers& all, const byte_list& pdu, bool has_input_re
 /// leaves such a byte out is late: it does not delay the frame of the only division that is not.
 class listener {
   public:
-    listener(unsigned node_address, unsigned leading_bytes) : unit_{node_address}, leading_{leading_bytes} {}
+    /// `executes_standard`: it executes all functions that have a length, not only those of registers.
+    listener(unsigned node_address, unsigned leading_bytes, bool executes_standard = false)
+        : unit_{node_address}, leading_{leading_bytes}, executes_standard_{executes_standard} {}
 
     /// Receives a byte. Returns the frame that must be executed now, if any.
     std::optional<byte_list> receive(std::uint8_t byte) {
@@ -198,9 +200,8 @@ class listener {
         std::vector<account> complete;
         for (const account& a : accounts_) {
             const byte_list& f = a.under_way;
-            const bool has_any_length =
-                f.size() > 1 && (is_own(f) ? form_of(f[1]) != form::registers || as_request(f) == 0
-                                           : form_of(f[1]) == form::unknown);
+            const bool has_any_length = f.size() > 1 && (is_own(f) ? !is_executed(f[1]) || as_request(f) == 0
+                                                                   : form_of(f[1]) == form::unknown);
             const bool is_request = is_own(f) && f.size() == as_request(f);
             if (f.empty() || (is_frame(f) && (has_any_length || is_request))) complete.push_back(a);
         }
@@ -251,6 +252,11 @@ class listener {
         }
     }
 
+    bool is_executed(unsigned code) const {
+        const form kind = form_of(code);
+        return kind == form::registers || (executes_standard_ && kind == form::standard);
+    }
+
     // The length of a frame as a request or as a response, 0 if it is not yet determined.
     static std::size_t as_request(const byte_list& f) {
         if (f.size() < 2) return 0;
@@ -291,7 +297,7 @@ class listener {
         const std::size_t q = as_request(f);
         if (is_own(f)) {
             const bool is_wrong = f.size() == q && !is_frame(f);
-            if (!is_wrong || (!has_rivals && form_of(f[1]) != form::registers)) tell(next, a);
+            if (!is_wrong || (!has_rivals && !is_executed(f[1]))) tell(next, a);
             return;
         }
         const std::size_t r = as_response(f);
@@ -350,6 +356,7 @@ class listener {
     std::vector<account> accounts_{{{}, anything, false}};
     unsigned unit_;
     unsigned leading_;
+    bool executes_standard_;
     unsigned left_out_ = 0; ///< since the last gap; all of them inside a burst
 };
 

@@ -188,7 +188,7 @@ void functions(corpus& to, corpus& explain) {
     }
 }
 
-// The format of fuzz/fuzz_row_server.cpp: a byte for the clock; then what comes, after which time, and the bytes.
+// The format of fuzz/fuzz_row_server.cpp: 0 for strict timing, a byte for the clock; then what comes, after which time, and the bytes.
 void row_requests(corpus& to) {
     const byte_list requests[]{{1, 0, 0, 0, 4},
                                {2, 0, 7, 0, 3},
@@ -208,11 +208,22 @@ void row_requests(corpus& to) {
         for (const unsigned what : {1u, 17u, 25u})
             to.add("request_" + std::to_string(pdu[0]) + "_" + std::to_string(pdu.size()) + "_" +
                        std::to_string(what),
-                   byte_list{0, low(what), 0x40, low(pdu.size() - 1)} + pdu);
+                   byte_list{0, 0, low(what), 0x40, low(pdu.size() - 1)} + pdu);
     }
     for (const unsigned seed : {1u, 2u, 3u, 4u})
-        to.add("made_" + std::to_string(seed), {low(seed), 0xFF, 0, low(seed)});
-    to.add("pieces", {0, 8, 0, 3, 7, 3, 0, 8, 0x20, 5, 0x10, 0, 1, 1, 2, 8, 0x30, 2, 7, 7});
+        to.add("made_" + std::to_string(seed), {0, low(seed), 0xFF, 0, low(seed)});
+    to.add("pieces", {0, 0, 8, 0, 3, 7, 3, 0, 8, 0x20, 5, 0x10, 0, 1, 1, 2, 8, 0x30, 2, 7, 7});
+    // In host timing: what comes, after which time, and a number that makes a request.
+    for (unsigned seed = 0; seed < 24; ++seed) {
+        byte_list all{1};
+        for (unsigned i = 0; i < 30; ++i)
+            all = all + byte_list{low(1 + (seed + i) % 4 * 8 + (i % 7 == 6 ? 0x80 : 0)),
+                                  low(seed % 3 == 0   ? 0x35
+                                      : seed % 3 == 1 ? 0x11
+                                                      : 0x65),
+                                  low(seed * 30 + i)};
+        to.add("host_" + std::to_string(seed), all);
+    }
 }
 
 } // namespace

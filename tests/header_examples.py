@@ -101,6 +101,7 @@ GIVEN = {
     "line/observer.hpp": UART,
     "line/ring.hpp": UART,
     "server/": TANK,
+    "server/host_row_server.hpp": TANK + UART,
     "server/row_server.hpp": TANK + UART,
     "line/tcp_open.hpp": """struct address { const address* ai_next; }; inline const address* found = nullptr;
         instant clock_now(); errc connect_to(const address&, duration);""",

@@ -24,6 +24,7 @@ struct uart {
     byte_list sent_bytes;
     std::size_t burst = 1;
     std::size_t takes = 1000; ///< bytes that a call of `send` takes
+    std::size_t taken = 0;    ///< bytes that `receive` has returned
     bool is_garbled = false;
     bool has_left = true;
     bool fails = false;
@@ -45,6 +46,7 @@ struct uart {
             into[i] = arrived.front();
             arrived.pop_front();
         }
+        taken += n;
         return static_cast<std::uint16_t>(n);
     }
     servobus::instant now() { return time; }
