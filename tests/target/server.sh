@@ -1,0 +1,55 @@
+#!/bin/sh
+# SPDX-FileCopyrightText: The servobus authors
+# SPDX-License-Identifier: BSL-1.0
+#
+# What a server of rows adds to the program of a small core: flash, static RAM with the values of the rows, stack, and
+# the instructions of a read of twelve words without the user's functions. Fails if a response is wrong or a figure is
+# above its budget.   sh tests/target/server.sh
+set -eu
+cd "$(dirname "$0")/../.."
+
+. tests/target/measure.sh
+
+status=0
+line='%-44s%-14s%7s%6s%7s%14s'
+# shellcheck disable=SC2059
+printf "$line\n" "a server of ten holding registers" core flash ram stack instructions
+server() { # NAME BUDGETS FLAGS...: flash, RAM, stack and instructions on the Cortex-M0+
+    name=$1 budgets=$2
+    shift 2
+    for core in cortex-m0plus cortex-m4; do
+        made() { # FLAGS...
+            compile server "$work/program.o" "$core" -I. "$@"
+            compile server_board "$work/board.o" "$core" "$@"
+            arm-none-eabi-g++ -mcpu="$core" -mthumb "$work/program.o" "$work/board.o" -nostartfiles \
+                --specs=nano.specs -Wl,--gc-sections -T "$here/target.ld" -o "$work/program.elf"
+        }
+        made -DNOTHING "$@"
+        flash=$(size_of '$1 + $2') ram=$(size_of '$2 + $3')
+        made "$@"
+        flash=$(($(size_of '$1 + $2') - flash)) ram=$(($(size_of '$2 + $3') - ram))
+        run || { echo "FAILED  $name on $core: a response is wrong"; status=1; continue; }
+        now="$flash $ram $(cat "$work/stack") $(instructions '^(uart_|clock_us|board_)')"
+        verdict=""
+        if [ "$core" = cortex-m0plus ]; then
+            left=$budgets
+            for figure in $now; do
+                [ "$figure" -le "${left%% *}" ] || verdict="  ABOVE ITS BUDGET $budgets" status=1
+                left=${left#* }
+            done
+        fi
+        # shellcheck disable=SC2059,SC2086
+        printf "$line%s\n" "$name" "$core" $now "$verdict"
+    done
+}
+
+server "alone" "1080 92 164 1650" -DONLY_HOLDING
+server "and four coils, two input registers" "1280 92 164 1650"
+server "... CRC by a table of 16 entries" "1280 92 164 1650" "-DOPTIONS=,with_crc<modbus::crc_table16>"
+server "... function 16h" "1440 92 240 1700" -DOPTIONS=,with_mask_write
+server "... functions 16h and 17h" "1680 96 260 1700" -DOPTIONS=,with_mask_write,with_read_write
+server "... function 2Bh" "1580 92 164 1650" "-DOPTIONS=,with_identification<about>"
+server "... two hooks" "1420 96 164 1650" -DHOOKS
+
+[ "$status" = 0 ] && echo "target/server.sh: all within their budgets" || echo "target/server.sh: FAILED"
+exit "$status"
