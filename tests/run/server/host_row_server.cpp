@@ -186,7 +186,7 @@ TEST_CASE("G13: a request inside another node's frame is not executed") {
     }
 }
 
-TEST_CASE("G30: broadcasts in host timing") {
+TEST_CASE("G14: broadcasts in host timing") {
     bench b;
     CHECK(b.ask(framed({0, 6, 0, 0x10, 0, 2})).empty());
     CHECK(b.values.get<served_rows::selected>() == served_rows::gear::high);

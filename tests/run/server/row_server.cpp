@@ -162,7 +162,7 @@ TEST_CASE("G14: a request t3.5 after any frame of another node is executed") {
     }
 }
 
-TEST_CASE("G30: broadcasts that write are executed without a response, and those that read are ignored") {
+TEST_CASE("G14: broadcasts that write are executed without a response, and those that read are ignored") {
     bench<with_mask_write, with_read_write> b;
     CHECK(b.ask(framed({0, 6, 0, 0x10, 0, 2})).empty());
     CHECK(b.values.get<served_rows::selected>() == served_rows::gear::high);
