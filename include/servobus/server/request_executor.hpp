@@ -52,25 +52,37 @@ template <class Values, class... Options> class request_executor {
     using step = detail::walk_step;
 
     static constexpr std::size_t larger(std::size_t a, std::size_t b) { return a < b ? b : a; }
+    static constexpr std::size_t smaller(std::size_t a, std::size_t b) { return a < b ? a : b; }
+    // The most that a request may have, in words.
+    static constexpr unsigned max_read = smaller(modbus::max_read, Values::device::facts.max_read);
+    static constexpr unsigned max_write = smaller(modbus::max_write, Values::device::facts.max_write);
+    static constexpr unsigned max_write_of_read_write = smaller(modbus::max_write_of_read_write, max_write);
+    // The most that a request for rows that exist has, in bytes.
+    static constexpr std::size_t longest_bits_read =
+        modbus::bytes_of_bits(smaller(list.longest_bits, modbus::max_read_bits));
+    static constexpr std::size_t longest_bits_write =
+        modbus::bytes_of_bits(smaller(list.longest_bits, modbus::max_write_bits));
+    static constexpr std::size_t longest_read = 2 * smaller(list.longest_run, max_read);
+    static constexpr std::size_t longest_write = 2 * smaller(list.longest_write, max_write);
 
   public:
     /// The bytes of a request of which `execute` needs more than the number: a longer one is refused.
     static constexpr std::size_t longest_request = [] {
-        std::size_t most = 6 + larger(2 * list.longest_write, modbus::bytes_of_bits(list.longest_bits));
-        if (has_read_write) most = 10 + 2 * list.longest_write;
-        return larger(most, 7);
+        const std::size_t words =
+            has_read_write ? 10 + smaller(longest_write, 2 * max_write_of_read_write) : 0;
+        return larger(larger(6 + larger(longest_write, longest_bits_write), words), 7);
     }();
     /// The longest response.
     static constexpr std::size_t longest_response = [] {
-        std::size_t most = 2 + larger(2 * list.longest_run, modbus::bytes_of_bits(list.longest_bits));
+        std::size_t most = larger(2 + larger(longest_read, longest_bits_read), 7);
         if constexpr (!std::is_void_v<objects>) most = larger(most, detail::least_room<objects>());
         if constexpr (!std::is_void_v<server_id>) most = larger(most, server_id::size + 3);
-        return larger(most, 7);
+        return most;
     }();
     /// The bytes that a buffer needs at least.
     static constexpr std::size_t buffer_size = larger(longest_request, longest_response);
 
-    static_assert(longest_response <= modbus::max_pdu);
+    static_assert(buffer_size <= modbus::max_pdu);
 
     constexpr explicit request_executor(Values& values) requires(!has_hooks) : values_{&values} {}
     /// `owner` has the hooks. It outlives the executor, as `values` does.
@@ -232,7 +244,7 @@ template <class Values, class... Options> class request_executor {
         const unsigned from = word_at(p + 1), quantity = word_at(p + 3);
         const unsigned written = word_at(p + 7);
         if (size != 10 + 2 * written || p[9] != 2 * written || quantity - 1 >= max_read ||
-            written - 1 >= most_written_by_17h)
+            written - 1 >= max_write_of_read_write)
             return illegal_value;
         if (walk::go(*values_, step::probe, 2, from, quantity, p + 2) != 0) return illegal_address;
         const unsigned wrong = change(2, word_at(p + 5), written, p + 10);
@@ -240,11 +252,6 @@ template <class Values, class... Options> class request_executor {
         p[1] = static_cast<std::uint8_t>(2 * quantity);
         return walk::go(*values_, step::read, 2, from, quantity, p + 2);
     }
-
-    static constexpr unsigned smaller(unsigned a, unsigned b) { return a < b ? a : b; }
-    static constexpr unsigned max_read = smaller(modbus::max_read, Values::device::facts.max_read);
-    static constexpr unsigned max_write = smaller(modbus::max_write, Values::device::facts.max_write);
-    static constexpr unsigned most_written_by_17h = smaller(modbus::max_write_of_read_write, max_write);
 
     struct none {};
 

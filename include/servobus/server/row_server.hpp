@@ -35,7 +35,7 @@ class row_server : request_executor<Values, Options...> {
     using crc = typename detail::crc_among<Options...>::type;
 
     static_assert(Timing.mode == modbus::timing_mode::strict,
-                  "a row_server has strict timing: its port has a time for each byte");
+                  "a row_server has strict timing: in host timing take a host_row_server");
 
   public:
     /// `node_address` is 1..247. With `with_hooks<H>` the last argument is the object that has them. All objects

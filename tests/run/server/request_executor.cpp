@@ -135,6 +135,17 @@ static_assert(has_the_functions_of_its_rows());
 // The buffer is as long as the longest run of rows: six words in a request of 17h.
 static_assert(served_rows::executor::longest_request == 10 + 2 * 6);
 
+// Runs that are longer than a request: the buffer is as long as a PDU at most.
+struct large {
+    static constexpr profile facts{.name = "large"};
+};
+inline constexpr reg_array<reg<u16, servobus::access::rw, large>, 200> many{{0x0100, full<u16>, no_unit, 9},
+                                                                            1};
+inline constexpr input_reg<u32, large> far_away{0xFFFE, full<u32>, no_unit, 3};
+using large_values = row_values<many, far_away>;
+using large_executor = request_executor<large_values, with_read_write>;
+static_assert(large_executor::longest_request == 10 + 2 * 121 && large_executor::longest_response == 252);
+
 struct recorder {
     using changes_of_rows = changes<served_rows::values>;
     std::vector<std::string> calls;
@@ -274,6 +285,27 @@ TEST_CASE("a request that is longer than the buffer is refused as a shorter one"
     CHECK(responds<example_executor>(all, echo, hex("88 03")));
     echo.resize(254, 7); // no PDU
     CHECK(responds<example_executor>(all, echo, bytes{}));
+}
+
+TEST_CASE("runs that are longer than a request") {
+    large_values v;
+    byte_list response{3, 250};
+    for (int i = 0; i < 125; ++i) response.insert(response.end(), {0, 9});
+    CHECK(responds<large_executor>(v, hex("03 01 4B 00 7D"), response)); // the last 125 of the run
+    CHECK(responds<large_executor>(v, hex("03 01 4C 00 7D"), hex("83 02")));
+    CHECK(responds<large_executor>(v, hex("03 01 00 00 7E"), hex("83 03")));
+    byte_list write{0x10, 1, 0x4D, 0, 123, 246};
+    write.resize(6 + 246, 1);
+    CHECK(responds<large_executor>(v, write, hex("10 01 4D 00 7B")));
+    CHECK(v.get<many>(76) == 9);
+    CHECK(v.get<many>(77) == 0x0101);
+    CHECK(v.get<many>(199) == 0x0101);
+    byte_list both{0x17, 1, 0, 0, 1, 1, 0, 0, 121, 242};
+    both.resize(10 + 242, 2);
+    CHECK(responds<large_executor>(v, both, hex("17 02 02 02")));
+    CHECK(v.get<many>(120) == 0x0202);
+    CHECK(v.get<many>(121) == 0x0101);
+    CHECK(responds<large_executor>(v, hex("04 FF FE 00 02"), hex("04 04 00 00 00 03")));
 }
 
 TEST_CASE("an identification comes in as many parts as the buffer needs") {
