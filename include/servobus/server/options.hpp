@@ -68,6 +68,10 @@ template <const auto& Text> struct with_server_id {
 /// The engine of the CRC, for servers on a line.
 template <modbus::crc_engine Crc> struct with_crc {};
 
+/// Skips up to `Count` bytes 00 or FF between a gap and a frame, as an RS-485 driver that is switched on sends them. For
+/// servers on a line; the buffer is as much longer. A host_row_server skips four without this option.
+template <std::uint8_t Count> struct with_leading_bytes {};
+
 /// A class with both hooks of a server's writes.
 template <class H, class Values>
 concept write_hooks = requires(H& hooks, const changes<Values>& written) {
@@ -90,12 +94,19 @@ template <> inline constexpr bool is_server_option<with_loopback> = true;
 template <const auto& O> inline constexpr bool is_server_option<with_identification<O>> = true;
 template <const auto& T> inline constexpr bool is_server_option<with_server_id<T>> = true;
 template <class C> inline constexpr bool is_server_option<with_crc<C>> = true;
+template <std::uint8_t N> inline constexpr bool is_server_option<with_leading_bytes<N>> = true;
 template <class H> inline constexpr bool is_server_option<with_hooks<H>> = true;
 
 /// The hooks among the options; `void` without any.
 template <class... Options> struct hooks_among { using type = void; };
 template <class H, class... Others> struct hooks_among<with_hooks<H>, Others...> { using type = H; };
 template <class Other, class... Others> struct hooks_among<Other, Others...> : hooks_among<Others...> {};
+
+template <class... Options> inline constexpr std::uint8_t leading_bytes_among = 0;
+template <std::uint8_t N, class... Others>
+inline constexpr std::uint8_t leading_bytes_among<with_leading_bytes<N>, Others...> = N;
+template <class Other, class... Others>
+inline constexpr std::uint8_t leading_bytes_among<Other, Others...> = leading_bytes_among<Others...>;
 
 template <class... Options> struct crc_among { using type = modbus::default_crc; };
 template <class C, class... Others> struct crc_among<with_crc<C>, Others...> { using type = C; };

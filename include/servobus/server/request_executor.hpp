@@ -145,12 +145,12 @@ template <class Values, class... Options> class request_executor {
     static constexpr u32 served_functions = [] {
         u32 set = 0;
         for (unsigned t = 0; t < 4; ++t) set |= list.can_read[t] ? 2u << t : 0u;
-        if (list.can_write[0]) set |= 1u << 0x05 | 1u << 0x0F;
-        if (writes_words) set |= 1u << 0x06 | 1u << 0x10;
-        if (has_mask_write) set |= 1u << 0x16;
-        if (has_read_write) set |= 1u << 0x17;
-        if (has<with_loopback>) set |= 1u << 0x08;
-        if (!std::is_void_v<server_id>) set |= 1u << 0x11;
+        if (list.can_write[0]) set |= u32{1} << 0x05 | u32{1} << 0x0F;
+        if (writes_words) set |= u32{1} << 0x06 | u32{1} << 0x10;
+        if (has_mask_write) set |= u32{1} << 0x16;
+        if (has_read_write) set |= u32{1} << 0x17;
+        if (has<with_loopback>) set |= u32{1} << 0x08;
+        if (!std::is_void_v<server_id>) set |= u32{1} << 0x11;
         return set;
     }();
     static constexpr unsigned word_at(const std::uint8_t* p) { return p[0] * 256u + p[1]; }

@@ -73,7 +73,8 @@ class row_server : request_executor<Values, Options...> {
   private:
     enum class state : std::uint8_t { listening, bad, answering };
 
-    static constexpr std::size_t room = executor::buffer_size + 3;
+    static constexpr std::size_t leading_bytes = detail::leading_bytes_among<Options...>;
+    static constexpr std::size_t room = executor::buffer_size + 3 + leading_bytes;
     static constexpr std::size_t last = room - 1;
     using small = std::conditional_t<(room < 256), std::uint8_t, u16>;
 
@@ -81,17 +82,32 @@ class row_server : request_executor<Values, Options...> {
         crc_ = crc::update(crc_, bytes{data, size});
     }
 
+    // True if what has been received is a frame. It is then at the beginning of the buffer and has `size` bytes.
+    constexpr bool is_frame(std::size_t& size) {
+        if (state_ != state::listening || size < modbus::min_frame || size > modbus::max_frame) return false;
+        if (crc::end(crc_) == 0) return true;
+        if constexpr (leading_bytes != 0) {
+            if (size > room) return false; // the buffer has lost a part
+            for (std::size_t skipped = 1; skipped <= leading_bytes && size > modbus::min_frame; ++skipped) {
+                if (frame_[0] != 0x00 && frame_[0] != 0xFF) return false;
+                --size;
+                for (std::size_t i = 0; i < size; ++i) frame_[i] = frame_[i + 1];
+                if (modbus::crc16<crc>(bytes{frame_, size}) == 0) return true;
+            }
+        }
+        return false;
+    }
+
     constexpr void end_of_frame() {
-        const std::size_t size = count_;
-        const bool is_good = state_ == state::listening && size >= modbus::min_frame &&
-                             size <= modbus::max_frame && crc::end(crc_) == 0;
+        std::size_t size = count_;
+        const bool is_good = is_frame(size);
         count_ = 0;
         state_ = state::listening;
         crc_ = crc::begin();
         if (!is_good) return;
         const std::uint8_t to = frame_[0];
         if (to != address_ && (to != modbus::broadcast || !executor::takes_broadcast(frame_[1]))) return;
-        const std::size_t answered = this->execute_at(frame_ + 1, room - 3, size - 3);
+        const std::size_t answered = this->execute_at(frame_ + 1, executor::buffer_size, size - 3);
         if (answered == 0 || to == modbus::broadcast) return;
         add_to_crc(frame_, answered + 1);
         const std::uint16_t check = crc::end(crc_);

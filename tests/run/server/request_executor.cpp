@@ -146,6 +146,12 @@ using large_values = row_values<many, far_away>;
 using large_executor = request_executor<large_values, with_read_write>;
 static_assert(large_executor::longest_request == 10 + 2 * 121 && large_executor::longest_response == 252);
 
+constexpr char long_id[] = "0123456789012345678901234567890123456789012345678901234567890123456789";
+static_assert(request_executor<only_inputs, with_server_id<long_id>>::longest_response == 70 + 3);
+static_assert(request_executor<only_inputs, with_identification<served_rows::about>>::longest_response ==
+              7 + 2 + 16);
+static_assert(request_executor<only_inputs>::buffer_size == 7);
+
 struct recorder {
     using changes_of_rows = changes<served_rows::values>;
     std::vector<std::string> calls;
@@ -168,10 +174,12 @@ struct recorder {
         seen = c.get<served_rows::travel>().count();
         seen_valve = c.get<served_rows::valve>();
         seen_low = c.get<served_rows::lows>(1).count();
+        seen_last = c.get<served_rows::pairs>(1);
         return refusal;
     }
     void after_write(const changes_of_rows& c) { note("after", c); }
     int seen = 0, seen_low = 0;
+    u32 seen_last = 0;
     bool seen_valve = false;
 };
 
@@ -203,12 +211,14 @@ TEST_CASE("the examples of the standard, the order of its checks, the functions 
 
 TEST_CASE("a hook gets the rows that are written, with the values that all rows will have") {
     hooked d;
-    CHECK(d.respond({0x10, 0, 0x10, 0, 4, 8, 0, 2, 0, 9, 0, 7, 0, 0}) == byte_list{0x10, 0, 0x10, 0, 4});
+    CHECK(d.respond({0x10, 0, 0x10, 0, 4, 8, 0, 2, 0, 9, 0x11, 0x70, 0, 1}) ==
+          byte_list{0x10, 0, 0x10, 0, 4});
     CHECK(d.hooks.calls == std::vector<std::string>{"before selected travel", "after selected travel"});
-    CHECK(d.hooks.seen == 7);
+    CHECK(d.hooks.seen == 70'000);
     CHECK(d.hooks.seen_valve); // not written: its present value
     CHECK(d.hooks.seen_low == -100);
-    CHECK(d.values.get<served_rows::travel>().count() == 7);
+    CHECK(d.hooks.seen_last == 7);
+    CHECK(d.values.get<served_rows::travel>().count() == 70'000);
     d.hooks.calls.clear();
     CHECK(d.respond({0x0F, 0, 0, 0, 2, 1, 2}).size() == 5);
     CHECK(d.respond({0x05, 0, 1, 0, 0}).size() == 5);
@@ -220,6 +230,9 @@ TEST_CASE("a hook gets the rows that are written, with the values that all rows 
                                                     "after pump", "before low 1", "after low 1",
                                                     "before low 1", "after low 1"});
     CHECK(!d.values.get<served_rows::valve>());
+    CHECK(d.respond({0x10, 0, 0x40, 0, 4, 8, 0, 1, 0, 2, 0, 3, 0, 4}).size() == 5);
+    CHECK(d.hooks.seen_last == 0x0004'0003);
+    CHECK(d.hooks.calls.back() == "after"); // none of those that are named
 }
 
 TEST_CASE("a hook refuses a write with an exception of its own, and nothing changes") {

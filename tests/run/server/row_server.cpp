@@ -151,6 +151,42 @@ TEST_CASE("G13: a request inside a frame of another node, or before t3.5 has pas
     CHECK(b.ask(write_selected) == write_selected);
 }
 
+TEST_CASE("G13: bytes 00 or FF after a gap are skipped before a frame, as many as the option says") {
+    for (const unsigned noise : {0x00u, 0xFFu}) {
+        for (std::size_t count = 0; count <= 5; ++count) {
+            CAPTURE(count);
+            byte_list before(count, row_model::low_byte(noise));
+            const auto with_noise = [&before](const byte_list& frame) {
+                byte_list all = before;
+                all.insert(all.end(), frame.begin(), frame.end());
+                return all;
+            };
+            bench<with_leading_bytes<4>, with_read_write> b;
+            const bool is_skipped = count <= 4;
+            CHECK(b.ask(with_noise(write_selected)) == (is_skipped ? write_selected : byte_list{}));
+            CHECK(b.ask(with_noise(read_selected)) == (is_skipped ? framed({7, 3, 2, 0, 2}) : byte_list{}));
+            // The longest request of these rows.
+            const byte_list longest =
+                framed({7, 0x17, 0, 0x10, 0, 1, 0, 0x17, 0, 6, 12, 0, 5, 0, 105, 0, 6, 0, 106, 0, 7, 0, 107});
+            CHECK(b.ask(with_noise(longest)) == (is_skipped ? framed({7, 0x17, 2, 0, 2}) : byte_list{}));
+            CHECK(b.ask(with_noise(framed({0, 6, 0, 0x10, 0, 0}))).empty());
+            CHECK(b.values.get<served_rows::selected>() ==
+                  (is_skipped ? served_rows::gear::neutral : served_rows::gear::low));
+            CHECK(b.ask(with_noise(framed({8, 6, 0, 0x10, 0, 1}))).empty());
+            bench plain;
+            CHECK(plain.ask(with_noise(write_selected)).empty() == (count != 0));
+        }
+    }
+    bench<with_leading_bytes<4>> b;
+    CHECK(b.ask(byte_list(4, 0)).empty());
+    CHECK(b.ask(byte_list(8, 0xFF)).empty());
+    byte_list other{0x01};
+    other.insert(other.end(), write_selected.begin(), write_selected.end());
+    CHECK(b.ask(other).empty());
+    CHECK(b.values.get<served_rows::selected>() == served_rows::gear::low);
+    CHECK(b.ask(write_selected) == write_selected);
+}
+
 TEST_CASE("G14: a request t3.5 after any frame of another node is executed") {
     for (const byte_list& frame : {framed({8, 3, 0, 0, 0, 1}), framed({8, 3, 2, 7, 6}),
                                    framed({8, 0x65, 1, 2, 3}), framed({8, 0x2B, 14, 1, 0}),
