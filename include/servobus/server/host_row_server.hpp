@@ -4,7 +4,7 @@
 // A Modbus RTU server of rows on a port where bytes come in bursts, such as a USB adapter or a pseudo-terminal of a PC.
 // Programs on a microcontroller include server/row_server.hpp, whose buffer is smaller and whose timing is strict.
 //
-//     using tank_values = row_values<tank::level, tank::valve>;
+//     using tank_values = row_values<tank::lowest, tank::level, tank::valve>;
 //     inline tank_values values;
 //     inline host_row_server<my_uart, tank_values> server{uart, values, 7, modbus::timing_at(115200)};
 //     inline void loop() { server.step(); } // then wait for a byte, at most a millisecond
@@ -21,6 +21,7 @@
 #include <servobus/line/port.hpp>
 #include <servobus/modbus/request_receiver.hpp>
 #include <servobus/modbus/rtu.hpp>
+#include <servobus/server/options.hpp>
 #include <servobus/server/request_executor.hpp>
 
 namespace servobus {
@@ -31,6 +32,10 @@ class host_row_server : request_executor<Values, Options...>,
                         modbus::request_receiver<host_row_server<Port, Values, Options...>> {
     using executor = request_executor<Values, Options...>;
     using receiver = modbus::request_receiver<host_row_server>;
+
+    static_assert(((detail::option_number<Options> <
+                    detail::option_number<with_crc<modbus::default_crc>>)&&...),
+                  "with_crc and with_leading_bytes are options of a row_server");
 
   public:
     using receiver::address, receiver::set_address, receiver::is_answering, receiver::timing,

@@ -62,14 +62,14 @@ template <const auto& Objects> struct with_identification {
 template <const auto& Text> struct with_server_id {
     static constexpr const char* text() { return &Text[0]; }
     static constexpr std::size_t size = sizeof Text - 1;
-    static_assert(size >= 1 && size <= 249, "a server's ID has 1 to 249 characters");
+    static_assert(size >= 1 && size <= 250, "a server's ID has 1 to 250 characters");
 };
 
-/// The engine of the CRC, for servers on a line.
+/// The engine of the CRC of a `row_server`.
 template <modbus::crc_engine Crc> struct with_crc {};
 
 /// Skips up to `Count` bytes 00 or FF between a gap and a frame, as an RS-485 driver that is switched on sends them. For
-/// servers on a line; the buffer is as much longer. A host_row_server skips four without this option.
+/// a `row_server`, whose buffer is as much longer. A `host_row_server` skips four without an option.
 template <std::uint8_t Count> struct with_leading_bytes {};
 
 /// A class with both hooks of a server's writes.
@@ -87,15 +87,26 @@ concept write_hooks = requires(H& hooks, const changes<Values>& written) {
 template <class Hooks> struct with_hooks {};
 
 namespace detail {
-template <class O> inline constexpr bool is_server_option = false;
-template <> inline constexpr bool is_server_option<with_mask_write> = true;
-template <> inline constexpr bool is_server_option<with_read_write> = true;
-template <> inline constexpr bool is_server_option<with_loopback> = true;
-template <const auto& O> inline constexpr bool is_server_option<with_identification<O>> = true;
-template <const auto& T> inline constexpr bool is_server_option<with_server_id<T>> = true;
-template <class C> inline constexpr bool is_server_option<with_crc<C>> = true;
-template <std::uint8_t N> inline constexpr bool is_server_option<with_leading_bytes<N>> = true;
-template <class H> inline constexpr bool is_server_option<with_hooks<H>> = true;
+/// A number for each option; 0 for what is none. The last two are for servers on a line with strict timing.
+template <class O> inline constexpr unsigned option_number = 0;
+template <> inline constexpr unsigned option_number<with_mask_write> = 1;
+template <> inline constexpr unsigned option_number<with_read_write> = 2;
+template <> inline constexpr unsigned option_number<with_loopback> = 3;
+template <const auto& O> inline constexpr unsigned option_number<with_identification<O>> = 4;
+template <const auto& T> inline constexpr unsigned option_number<with_server_id<T>> = 5;
+template <class H> inline constexpr unsigned option_number<with_hooks<H>> = 6;
+template <class C> inline constexpr unsigned option_number<with_crc<C>> = 7;
+template <std::uint8_t N> inline constexpr unsigned option_number<with_leading_bytes<N>> = 8;
+
+template <class... Options> constexpr bool has_each_once() {
+    const unsigned numbers[]{0, option_number<Options>...};
+    for (std::size_t i = 1; i <= sizeof...(Options); ++i) {
+        for (std::size_t other = 1; other < i; ++other) {
+            if (numbers[i] == numbers[other]) return false;
+        }
+    }
+    return true;
+}
 
 /// The hooks among the options; `void` without any.
 template <class... Options> struct hooks_among { using type = void; };

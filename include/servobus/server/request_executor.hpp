@@ -32,8 +32,9 @@ namespace servobus {
 
 /// Executes request PDUs on `Values`, a `row_values`.
 template <class Values, class... Options> class request_executor {
-    static_assert((detail::is_server_option<Options> && ...),
+    static_assert(((detail::option_number<Options> != 0) && ...),
                   "this is no option of a server: see server/options.hpp");
+    static_assert(detail::has_each_once<Options...>(), "a server has each option once");
 
     using hooks = typename detail::hooks_among<Options...>::type;
     using objects = typename detail::identification_among<Options...>::type;
@@ -45,8 +46,10 @@ template <class Values, class... Options> class request_executor {
     static constexpr bool has_bits = list.first[2] != 0;
     static constexpr bool has_words = list.first[4] != list.first[2];
     static constexpr bool writes_words = list.can_write[2];
-    static constexpr bool has_mask_write = has<with_mask_write> && writes_words;
-    static constexpr bool has_read_write = has<with_read_write> && writes_words && list.can_read[2];
+    static constexpr bool has_mask_write = has<with_mask_write>;
+    static constexpr bool has_read_write = has<with_read_write>;
+    static_assert((!has_mask_write && !has_read_write) || (writes_words && list.can_read[2]),
+                  "functions 16h and 17h need holding registers that clients read and write");
 
     using walk = detail::row_walk<Values, has_read_write>;
     using step = detail::walk_step;

@@ -4,7 +4,7 @@
 // A Modbus RTU server on a port whose bytes have times, such as a UART of a microcontroller. The device is described by
 // its rows: they have the values, and bring along the functions.
 //
-//     using tank_values = row_values<tank::level, tank::valve>;
+//     using tank_values = row_values<tank::lowest, tank::level, tank::valve>;
 //     constexpr auto timing = modbus::timing_at(115200, modbus::timing_mode::strict);
 //     inline tank_values values; // with the factory defaults
 //     inline row_server<my_uart, tank_values, timing, with_mask_write> server{uart, values, 7};

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// The values of a device's rows: registers of two kinds, coils and discrete inputs. The rows make the storage, so no
+// The values of a device's rows: holding and input registers, coils and discrete inputs. The rows make the storage, so no
 // value can be bound to a wrong address. server/row_server.hpp serves them to clients; the device itself reads and
 // sets them.
 //
@@ -71,7 +71,7 @@ template <const auto&... Rows> class row_values {
     /// The value of element `i` of an array of rows. `i` is below its size, as the index of an array.
     template <const auto& R>
     requires is_register_array<R>
-    constexpr auto get(std::size_t i) const { return reading_of<at<R, 0>>(load<R>(i)); }
+    constexpr auto get(std::size_t i) const { return reading_of<at<R, 0>>(load<R>(element<R>(i))); }
 
     /// Sets a register: to a constant, to `clamped(v)`, or to any value if its range is that of its type.
     template <const auto& R>
@@ -94,15 +94,15 @@ template <const auto&... Rows> class row_values {
     /// Sets element `i` of an array of rows. `i` is below its size.
     template <const auto& R>
     requires is_register_array<R>
-    constexpr void set(std::size_t i, detail::stored<R> value) { store<R>(i, value.bits()); }
+    constexpr void set(std::size_t i, detail::stored<R> value) { store<R>(element<R>(i), value.bits()); }
     /// The same for a value that may be out of range. Errors: `out_of_range`, `inexact`.
     template <const auto& R, class V>
     requires is_register_array<R>
     [[nodiscard]] constexpr errc set(std::size_t i, checked_value<V> v) {
-        return set_checked<R, at<R, 0>>(i, v);
+        return set_checked<R, at<R, 0>>(element<R>(i), v);
     }
 
-    /// Sets all rows to the factory defaults.
+    /// Sets all rows to the factory defaults, not as a whole: an interrupt may meet half a value.
     constexpr void reset() { storage_ = initial; }
 
   private:
@@ -134,6 +134,14 @@ template <const auto&... Rows> class row_values {
         constexpr std::size_t i = index_of<R>();
         static_assert(i < detail::count_of_rows<Rows...>, "the server does not have this row");
         return list.rows[i];
+    }
+
+    // As in `slice`, checked only where the standard library's assertions are enabled.
+    template <const auto& R> static constexpr std::size_t element(std::size_t i) {
+#ifdef _GLIBCXX_ASSERTIONS
+        if (i >= row_type<R>::size) __builtin_trap();
+#endif
+        return i;
     }
 
     template <const auto& R> constexpr u32 load(std::size_t i) const {
