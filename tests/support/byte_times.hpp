@@ -24,6 +24,7 @@ struct uart {
     byte_list sent_bytes;
     std::size_t burst = 1;
     std::size_t takes = 1000; ///< bytes that a call of `send` takes
+    std::size_t asked = 0;    ///< the size of the last buffer
     std::size_t taken = 0;    ///< bytes that `receive` has returned
     bool is_garbled = false;
     bool has_left = true;
@@ -37,6 +38,7 @@ struct uart {
     }
     bool sent() { return has_left; }
     servobus::transfer receive(servobus::byte_buffer into) {
+        asked = into.size();
         if (is_garbled) {
             is_garbled = false;
             return servobus::errc::receive_failed;

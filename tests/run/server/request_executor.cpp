@@ -146,6 +146,8 @@ using large_executor = request_executor<large_values, with_read_write>;
 static_assert(large_executor::longest_request == 10 + 2 * 121 && large_executor::longest_response == 252);
 
 constexpr char long_id[] = "0123456789012345678901234567890123456789012345678901234567890123456789";
+constexpr char longest_id[251]{'x'};
+static_assert(with_server_id<longest_id>::size == 250);
 static_assert(request_executor<only_inputs, with_server_id<long_id>>::longest_response == 70 + 3);
 static_assert(request_executor<only_inputs, with_identification<served_rows::about>>::longest_response ==
               7 + 2 + 16);
@@ -172,6 +174,7 @@ struct recorder {
         note("before", c);
         seen = c.get<served_rows::travel>().count();
         seen_valve = c.get<served_rows::valve>();
+        seen_pump = c.get<served_rows::pump>();
         seen_low = c.get<served_rows::lows>(1).count();
         seen_last = c.get<served_rows::pairs>(1);
         return refusal;
@@ -179,7 +182,7 @@ struct recorder {
     void after_write(const changes_of_rows& c) { note("after", c); }
     int seen = 0, seen_low = 0;
     u32 seen_last = 0;
-    bool seen_valve = false;
+    bool seen_valve = false, seen_pump = false;
 };
 
 struct hooked {
@@ -220,7 +223,10 @@ TEST_CASE("a hook gets the rows that are written, with the values that all rows 
     CHECK(d.values.get<served_rows::travel>().count() == 70'000);
     d.hooks.calls.clear();
     CHECK(d.respond({0x0F, 0, 0, 0, 2, 1, 2}).size() == 5);
+    CHECK(!d.hooks.seen_valve);
+    CHECK(d.hooks.seen_pump);
     CHECK(d.respond({0x05, 0, 1, 0, 0}).size() == 5);
+    CHECK(!d.hooks.seen_pump);
     CHECK(d.respond({0x06, 0, 0x19, 0, 5}).size() == 5);
     CHECK(d.hooks.seen_low == 5);
     CHECK(d.respond({0x16, 0, 0x19, 0, 0, 0, 6}).size() == 7);

@@ -241,6 +241,21 @@ TEST_CASE("a request longer than the buffer gets its exception") {
     CHECK(b.ask(read_selected) == is_selected);
 }
 
+TEST_CASE("G10: what does not fit the buffer is not stored beyond it") {
+    constexpr std::size_t room = request_executor<served_rows::values>::buffer_size + 3;
+    bench b;
+    for (std::size_t i = 0; i < 300; ++i) {
+        b.receive({7});
+        REQUIRE(b.port.asked == (i < room ? room - i : 1));
+    }
+    b.quiet(5000);
+    CHECK(b.ask(read_selected) == is_selected);
+    b.port.burst = 1000;
+    for (int i = 0; i < 300; ++i) b.port.arrived.push_back(9);
+    b.quiet(20'000);
+    CHECK(b.ask(read_selected) == is_selected);
+}
+
 TEST_CASE("a garbled character rejects its frame, and the next one is executed") {
     for (std::size_t at = 0; at <= write_selected.size(); ++at) {
         bench b;
