@@ -56,7 +56,8 @@ constexpr bool executes_the_examples_of_the_standard() {
     };
     v.set<holding>(0, 0x022B);
     v.set<holding>(2, 0x0064);
-    return is(hex("0F 00 13 00 0A 02 CD 01"), hex("0F 00 13 00 0A")) &&                // 6.11
+    return is(hex("0F 00 13 00 0A 02 CD 01"), hex("0F 00 13 00 0A")) && // 6.11
+           v.get<c00>() && !v.get<c01>() && v.get<c07>() && v.get<c08>() && !v.get<c09>() &&
            is(hex("01 00 13 00 0A"), hex("01 02 CD 01")) &&                            //
            is(hex("03 00 6B 00 03"), hex("03 06 02 2B 00 00 00 64")) &&                // 6.3
            is(hex("04 00 08 00 01"), hex("04 02 00 0A")) &&                            // 6.4
