@@ -41,6 +41,8 @@ inline constexpr row<i32,  rights::rw> last_pair  {0xFFFD, full<i32>,         no
 inline constexpr input_reg<i32, device> pressure  {0x0010, full<i32>,         no_unit,          -70'000};
 inline constexpr input_reg<u16, device> age       {0x0012, full<u16>,         units::second,    0};
 inline constexpr coil<rights::rw, device> valve {0x0000, true}, pump {0x0001}, siren {0x0003}, last_coil {0xFFFF};
+// Thirteen in a row: more than a byte.
+inline constexpr coil<rights::rw, device> bit_0 {0x0020}, bit_1 {0x0021}, bit_2 {0x0022}, bit_3 {0x0023}, bit_4 {0x0024}, bit_5 {0x0025}, bit_6 {0x0026}, bit_7 {0x0027}, bit_8 {0x0028}, bit_9 {0x0029}, bit_10 {0x002A}, bit_11 {0x002B}, bit_12 {0x002C};
 inline constexpr coil<rights::ro, device> is_primed {0x0002, true};
 inline constexpr coil<rights::wo, device> reset {0x0004};
 inline constexpr discrete_input<device> door {0x0007}, hatch {0x0008, true}, light {0x0009};
@@ -57,9 +59,10 @@ inline quantity<unit{measure::second}, u16> count_seconds() {
 inline bool is_light() { return true; }
 
 using values =
-    row_values<valve, lows, pump, is_primed, siren, reset, last_coil, door, hatch, computed<light, is_light>,
-               highs, selected, command, travel, computed<ticks, count_ticks>, level, pairs, last_word,
-               last_pair, pressure, computed<age, count_seconds>>;
+    row_values<valve, lows, pump, is_primed, siren, reset, last_coil, bit_0, bit_1, bit_2, bit_3, bit_4,
+               bit_5, bit_6, bit_7, bit_8, bit_9, bit_10, bit_11, bit_12, door, hatch,
+               computed<light, is_light>, highs, selected, command, travel, computed<ticks, count_ticks>,
+               level, pairs, last_word, last_pair, pressure, computed<age, count_seconds>>;
 
 inline constexpr identity about[]{{0x00, "Works"},
                                   {0x01, "R-1"},
@@ -101,6 +104,7 @@ inline row_model::device description() {
               {'h', 0xFFFF, 1, "rw", 0, 65535, 0},
               {'i', 0x10, 2, "r", -0x8000'0000LL, 0x7FFF'FFFF, -70'000},
               {'i', 0x12, 1, "r", 0, 65535, 3}};
+    for (unsigned i = 0; i < 13; ++i) d.rows.push_back({'c', 0x20 + i, 1, "rw", 0, 1, 0});
     d.is_low_first = true;
     d.most_read = 20;
     d.most_written = 12;
