@@ -204,6 +204,10 @@ constexpr char long_text[] =
     "01234567890123456789012345678901234567890123456789";
 inline constexpr identity long_objects[]{{0, long_text}, {1, long_text}, {2, "end"}};
 
+inline constexpr identity basic_objects[]{{0, "A"}, {1, "B"}, {2, "C"}};
+inline constexpr identity regular_objects[]{{0, "A"}, {1, "B"}, {2, "C"}, {0x7F, "D"}};
+inline constexpr identity extended_objects[]{{0, "A"}, {1, "B"}, {2, "C"}, {0x80, "D"}};
+
 } // namespace
 
 TEST_CASE("the examples of the standard, the order of its checks, the functions of the rows") {
@@ -239,6 +243,8 @@ TEST_CASE("a hook gets the rows that are written, with the values that all rows 
     CHECK(d.respond({0x10, 0, 0x40, 0, 4, 8, 0, 1, 0, 2, 0, 3, 0, 4}).size() == 5);
     CHECK(d.hooks.seen_last == 0x0004'0003);
     CHECK(d.hooks.calls.back() == "after"); // none of those that are named
+    CHECK(d.respond({0x10, 0, 0x18, 0, 2, 4, 0, 100, 0xFF, 0xFE}).size() == 5);
+    CHECK(d.hooks.seen_low == -2);
 }
 
 TEST_CASE("a hook refuses a write with an exception of its own, and nothing changes") {
@@ -345,6 +351,19 @@ TEST_CASE("an identification comes in as many parts as the buffer needs") {
     CHECK(parts > 1);
     CHECK(texts == std::vector<std::string>{"Works", "R-1", "1.0", "Rows of a test", "first of its own", "",
                                             "last of its own"});
+    // The conformity level: basic, regular, extended; single objects can be read.
+    std::uint8_t pdu[64]{0x2B, 0x0E, 3, 0};
+    CHECK(request_executor<served_rows::values, with_identification<basic_objects>>{v}.execute(pdu, 4) == 16);
+    CHECK(pdu[3] == 0x81);
+    CHECK(pdu[6] == 3);
+    std::uint8_t regular[64]{0x2B, 0x0E, 3, 0};
+    CHECK(request_executor<served_rows::values, with_identification<regular_objects>>{v}.execute(regular,
+                                                                                                 4) == 19);
+    CHECK(regular[3] == 0x82);
+    std::uint8_t extended[64]{0x2B, 0x0E, 2, 0};
+    CHECK(request_executor<served_rows::values, with_identification<extended_objects>>{v}.execute(extended,
+                                                                                                  4) == 16);
+    CHECK(extended[3] == 0x83);
     // A larger buffer makes no response longer than a PDU.
     std::uint8_t large[400]{0x2B, 0x0E, 1, 0};
     CHECK(request_executor<served_rows::values, with_identification<long_objects>>{v}.execute(large, 4) ==

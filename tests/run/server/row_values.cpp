@@ -89,6 +89,13 @@ constexpr bool keeps_elements_of_interleaved_arrays_apart() {
 }
 static_assert(keeps_elements_of_interleaved_arrays_apart());
 
+// Run-time values enter by themselves where each value of the type is in range.
+static_assert(detail::holds_every_value<served_rows::last_word> &&
+              detail::holds_every_value<served_rows::pressure>);
+static_assert(!detail::holds_every_value<served_rows::level> &&
+              !detail::holds_every_value<served_rows::travel>);
+static_assert(detail::served_row::most_slots == 2048);
+
 // Two words of 32 bits each share an alignment; a bit has a byte.
 static_assert(sizeof(row_values<served_rows::travel, served_rows::last_word>) == 8);
 static_assert(sizeof(row_values<served_rows::last_word>) == 2);
