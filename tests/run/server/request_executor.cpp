@@ -143,10 +143,20 @@ inline constexpr reg_array<reg<u16, servobus::access::rw, large>, 200> many{{0x0
                                                                             1};
 inline constexpr input_reg<u32, large> far_away{0xFFFE, full<u32>, no_unit, 3};
 using large_values = row_values<many, far_away>;
+// As many rows as a server may have, in an order that must be sorted.
+inline constexpr reg_array<reg<u16, servobus::access::rw, large>, 1024> odd{{0x1001, full<u16>, no_unit, 1},
+                                                                            2};
+inline constexpr reg_array<reg<u16, servobus::access::rw, large>, 1024> even{{0x1000, full<u16>, no_unit, 2},
+                                                                             2};
+using most_values = row_values<odd, even>;
 using large_executor = request_executor<large_values, with_read_write>;
 static_assert(large_executor::longest_request == 10 + 2 * 121 && large_executor::longest_response == 252);
 
 constexpr char long_id[] = "0123456789012345678901234567890123456789012345678901234567890123456789";
+static_assert(detail::has_each_once<with_mask_write, with_read_write, with_loopback,
+                                    with_identification<served_rows::about>, with_server_id<long_id>,
+                                    with_hooks<int>, with_crc<modbus::default_crc>, with_leading_bytes<4>>());
+static_assert(!detail::has_each_once<with_leading_bytes<3>, with_loopback, with_leading_bytes<4>>());
 constexpr char longest_id[251]{'x'};
 static_assert(with_server_id<longest_id>::size == 250);
 static_assert(request_executor<only_inputs, with_server_id<long_id>>::longest_response == 70 + 3);
@@ -331,6 +341,18 @@ TEST_CASE("runs that are longer than a request") {
     CHECK(v.get<many>(120) == 0x0202);
     CHECK(v.get<many>(121) == 0x0101);
     CHECK(responds<large_executor>(v, hex("04 FF FE 00 02"), hex("04 04 00 00 00 03")));
+}
+
+TEST_CASE("a server of 2048 rows") {
+    most_values v;
+    v.set<even>(1023, 7);
+    v.set<odd>(0, 8);
+    CHECK(responds<request_executor<most_values>>(v, hex("03 10 00 00 04"),
+                                                  hex("03 08 00 02 00 08 00 02 00 01")));
+    CHECK(responds<request_executor<most_values>>(v, hex("03 17 FD 00 03"), hex("03 06 00 01 00 07 00 01")));
+    CHECK(responds<request_executor<most_values>>(v, hex("03 17 FD 00 04"), hex("83 02")));
+    CHECK(responds<request_executor<most_values>>(v, hex("06 14 01 12 34"), hex("06 14 01 12 34")));
+    CHECK(v.get<odd>(512) == 0x1234);
 }
 
 TEST_CASE("an identification comes in as many parts as the buffer needs") {

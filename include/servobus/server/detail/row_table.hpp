@@ -146,13 +146,24 @@ template <std::size_t Rows> constexpr void count_runs(row_list<Rows>& list) {
     }
 }
 
+/// Sorts by merging, and numbers instead of rows: compilers limit the steps of a constant expression.
 template <std::size_t Rows> constexpr void sort_rows(row_list<Rows>& list) {
-    for (std::size_t i = 1; i < Rows; ++i) {
-        const plain_row moved = list.rows[i];
-        std::size_t j = i;
-        for (; j > 0 && list.rows[j - 1].key() > moved.key(); --j) list.rows[j] = list.rows[j - 1];
-        list.rows[j] = moved;
+    std::uint64_t numbers[2][Rows]{}; // a key and the index of its row
+    for (std::size_t i = 0; i < Rows; ++i) numbers[0][i] = std::uint64_t{list.rows[i].key()} << 16 | i;
+    std::size_t from = 0;
+    for (std::size_t size = 1; size < Rows; size *= 2, from = 1 - from) {
+        const std::uint64_t* const in = numbers[from];
+        std::uint64_t* const out = numbers[1 - from];
+        for (std::size_t begin = 0; begin < Rows; begin += 2 * size) {
+            const std::size_t middle = begin + size < Rows ? begin + size : Rows;
+            const std::size_t end = middle + size < Rows ? middle + size : Rows;
+            std::size_t a = begin, b = middle;
+            for (std::size_t to = begin; to < end; ++to)
+                out[to] = b == end || (a != middle && in[a] <= in[b]) ? in[a++] : in[b++];
+        }
     }
+    const row_list<Rows> unsorted = list;
+    for (std::size_t i = 0; i < Rows; ++i) list.rows[i] = unsorted.rows[numbers[from][i] & 0xFFFFu];
 }
 
 /// Values have their slots in the order of the pack, so that those of an array follow each other. Writable ones come
