@@ -26,7 +26,8 @@ namespace {
 template <class Executor, class Values>
 constexpr bool responds(Values& values, bytes request, bytes response) {
     std::uint8_t pdu[Executor::buffer_size]{};
-    for (std::size_t i = 0; i < request.size() && i < sizeof pdu; ++i) pdu[i] = request[i];
+    for (std::size_t i = 0; i < sizeof pdu; ++i)
+        pdu[i] = i < request.size() ? request[i] : 0xA5; // noise behind it
     const std::size_t size = Executor{values}.execute(pdu, request.size());
     return same_bytes(bytes{pdu, size}, response);
 }

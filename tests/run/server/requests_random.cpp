@@ -57,6 +57,7 @@ template <class Values, class Executor> struct bench {
 
     byte_list respond(const byte_list& pdu) {
         const auto b = std::make_unique<buffer>();
+        std::fill_n(b->bytes, sizeof b->bytes, std::uint8_t{0xA5}); // what came before
         std::copy_n(pdu.begin(), std::min(pdu.size(), sizeof b->bytes), b->bytes);
         const std::size_t size = executor.execute(b->bytes, pdu.size());
         REQUIRE(size <= sizeof b->bytes);
