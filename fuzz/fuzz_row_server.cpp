@@ -38,7 +38,7 @@ const row_model::device with_room = [] { // in host timing the buffer has room f
     return d;
 }();
 
-/// What a strict receiver makes of bytes with times.
+/// A strict receiver of bytes with times.
 class listener {
   public:
     explicit listener(row_model::model& of) : model_{&of} {}

@@ -18,7 +18,7 @@ namespace hoist {
 using values = servobus::row_values<operating_mode, speed, ramp, target, current_limit, options, status_word,
                                     position, load, fault, temperature, voltage, pump, fan, lamp, horn>;
 
-/// What happens around a write. A server with hooks has both.
+/// The hooks around a write. A server with hooks has both.
 struct hooks {
     bool is_new_target = false;
 

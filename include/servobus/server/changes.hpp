@@ -1,7 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// What a request writes, as the hooks of a server get it: rows with their typed values. server/options.hpp includes it.
+// The writes of a request as the hooks of a server get them: rows with their typed values. server/options.hpp includes
+// it.
 //
 //     constexpr bool is_upside_down(const changes<row_values<tank::lowest, tank::highest>>& written) {
 //         return written.get<tank::lowest>() > written.get<tank::highest>(); // either is written, or both

@@ -24,8 +24,7 @@ struct served_reading<R> {
 };
 } // namespace detail
 
-/// What a server stores in row `R`, and what a read of it returns: a bool for a coil or a discrete input, else a
-/// `reading<R>`.
+/// The type of row `R` in a server: bool for a coil or a discrete input, else `reading<R>`.
 template <const auto& R> using served_reading = typename detail::served_reading<R>::type;
 
 /// The type of `computed`.

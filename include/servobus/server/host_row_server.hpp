@@ -54,10 +54,12 @@ class host_row_server : request_executor<Values, Options...>,
         const instant now = port_->now(); // before the look: no byte of then is newer
         std::uint8_t room[64];
         const transfer came = port_->receive(byte_buffer{room});
-        if (!came || *came == 0) { // a garbled character is missing: its frame has a wrong CRC
+        if (came && *came == 0) {
             this->elapse(now);
         } else {
-            this->feed_late(bytes{room, *came}, port_->now());
+            // A wrong byte in place of a garbled one: no frame of this server or to all begins with it.
+            if (!came) room[0] = this->address() == 0x55 ? 0x56 : 0x55;
+            this->feed_late(bytes{room, came ? *came : std::size_t{1}}, port_->now());
         }
         send(now);
     }

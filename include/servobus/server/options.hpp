@@ -1,8 +1,9 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// What a server may have beyond the functions that its rows bring along. Each is a type that is named in the server's
-// template arguments: an option that does not exist does not compile. server/request_executor.hpp includes it.
+// Options of a server: functions beyond those that its rows bring along, hooks, and more. Each is a type among the
+// server's template arguments, so an option that does not exist does not compile. server/request_executor.hpp includes
+// it.
 //
 //     constexpr identity about[]{{0, "Example works"}, {1, "T-10"}, {2, "1.0"}};
 //     template <class Values> using tank_server =

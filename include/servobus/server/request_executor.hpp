@@ -69,20 +69,20 @@ template <class Values, class... Options> class request_executor {
     static constexpr std::size_t longest_write = 2 * smaller(list.longest_write, max_write);
 
   public:
-    /// The bytes of a request of which `execute` needs more than the number: a longer one is refused.
+    /// The longest request for rows that exist, in bytes. Longer ones are refused whatever they contain.
     static constexpr std::size_t longest_request = [] {
         const std::size_t words =
             has_read_write ? 10 + smaller(longest_write, 2 * max_write_of_read_write) : 0;
         return larger(larger(6 + larger(longest_write, longest_bits_write), words), 7);
     }();
-    /// The longest response.
+    /// The longest response, in bytes.
     static constexpr std::size_t longest_response = [] {
         std::size_t most = larger(2 + larger(longest_read, longest_bits_read), 7);
         if constexpr (!std::is_void_v<objects>) most = larger(most, detail::least_room<objects>());
         if constexpr (!std::is_void_v<server_id>) most = larger(most, server_id::size + 3);
         return most;
     }();
-    /// The bytes that a buffer needs at least.
+    /// The smallest buffer, in bytes.
     static constexpr std::size_t buffer_size = larger(longest_request, longest_response);
 
     static_assert(buffer_size <= modbus::max_pdu);

@@ -48,7 +48,7 @@ class row_server : request_executor<Values, Options...> {
     constexpr void set_address(std::uint8_t node_address) { address_ = node_address; }
 
     /// Receives what has arrived, executes a request that a gap has ended, or sends more of the response. Never waits.
-    /// If it is called too late to see the gap after a request, it drops the request.
+    /// A request is dropped if the next bytes come before a call has seen the gap after it.
     constexpr void step() {
         if (state_ == state::answering) return send();
         const instant now = port_->now();                     // before the look: no byte of then is newer
@@ -76,7 +76,7 @@ class row_server : request_executor<Values, Options...> {
     static constexpr std::size_t leading_bytes = detail::leading_bytes_among<Options...>;
     static constexpr std::size_t room = executor::buffer_size + 3 + leading_bytes;
     static constexpr std::size_t last = room - 1;
-    using small = std::conditional_t<(room < 256), std::uint8_t, u16>;
+    using position = std::conditional_t<(room < 256), std::uint8_t, u16>;
 
     [[gnu::noinline]] constexpr void add_to_crc(const std::uint8_t* data, std::size_t size) {
         crc_ = crc::update(crc_, bytes{data, size});
@@ -122,8 +122,8 @@ class row_server : request_executor<Values, Options...> {
         if (sent_ != count_) {
             const transfer taken =
                 port_->send(bytes{frame_ + sent_, static_cast<std::size_t>(count_ - sent_)});
-            sent_ = taken ? static_cast<small>(sent_ + *taken)
-                          : static_cast<small>(count_); // a failed port: the client repeats
+            sent_ = taken ? static_cast<position>(sent_ + *taken)
+                          : static_cast<position>(count_); // a failed port: the client repeats
             return;
         }
         if (!port_->sent()) return;
@@ -141,7 +141,7 @@ class row_server : request_executor<Values, Options...> {
     instant last_{};
     typename crc::state crc_ = crc::begin();
     u32 count_ = 0; // bytes received, or of the response
-    small sent_ = 0;
+    position sent_ = 0;
     std::uint8_t address_;
     state state_ = state::listening;
     std::uint8_t frame_[room]{};

@@ -30,7 +30,7 @@ template <class Values> class changes;
 namespace detail {
 template <class Values, bool HasProbe> class row_walk;
 
-// What `set` takes for a row: clang needs a type for rows of its other overloads too.
+// The argument of `set`. Rows of its other overloads have a type that no value converts to, for clang.
 template <const auto& R> struct stored_type { struct type; };
 template <const auto& R>
 requires is_register<R>
@@ -110,7 +110,7 @@ template <const auto&... Rows> class row_values {
     template <class Values> friend class changes;
     template <class Values, bool HasProbe> friend class detail::row_walk;
 
-    // What the functions of requests need, in flash.
+    // The tables in flash that requests need.
     static constexpr const auto& flash = detail::flash_rows<Rows...>;
     static constexpr const auto& functions = detail::flash_functions<Rows...>;
     template <class Int, detail::pool In> static constexpr const auto& ranges() {

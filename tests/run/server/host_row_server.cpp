@@ -205,10 +205,19 @@ TEST_CASE("a port that takes few bytes, or fails") {
     CHECK(b.ask(read_selected).empty());
     b.port.fails = false;
     CHECK(b.ask(read_selected) == is_selected);
-    b.receive({7, 3, 0, 0x10});
-    b.port.is_garbled = true; // a byte is missing
+    for (std::size_t at = 0; at < write_selected.size(); ++at) {
+        b.receive(byte_list(write_selected.begin(), write_selected.begin() + static_cast<long>(at)));
+        b.port.is_garbled = true; // in place of a byte
+        b.step(96);
+        b.receive(byte_list(write_selected.begin() + static_cast<long>(at) + 1, write_selected.end()));
+        b.quiet(30'000);
+        CHECK(b.response().empty());
+        CHECK(b.ask(read_selected) == is_selected);
+    }
+    // A request after a garbled character is in its frame.
+    b.port.is_garbled = true;
     b.step(96);
-    b.receive({1, 0x84, 0x0F});
+    b.receive(write_selected);
     b.quiet(30'000);
     CHECK(b.response().empty());
     CHECK(b.ask(read_selected) == is_selected);

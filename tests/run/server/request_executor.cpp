@@ -73,7 +73,7 @@ constexpr bool executes_the_examples_of_the_standard() {
 }
 static_assert(executes_the_examples_of_the_standard());
 
-// What comes first is refused first.
+// Each request is wrong in several ways: the first check decides.
 constexpr bool checks_in_the_order_of_the_standard() {
     served_rows::values v;
     const auto is = [&v](bytes request, bytes response) {

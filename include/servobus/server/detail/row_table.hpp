@@ -41,7 +41,7 @@ template <class Int> struct served_range {
     constexpr bool contains(Int v) const { return static_cast<Int>(v - low) <= span; }
 };
 
-/// Where a value is: among words of two registers, of one, among bits, or among functions.
+/// The storage of a value: words of two registers, of one, bits, or functions.
 enum class pool : std::uint8_t { wide, narrow, bits, functions };
 inline constexpr std::size_t pools = 4;
 

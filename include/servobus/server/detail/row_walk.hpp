@@ -12,7 +12,7 @@
 
 namespace servobus::detail {
 
-/// What is done with the rows of a part. The bits of `served_row` that forbid it are among its own.
+/// A step that is done with each row. Its low bits are the bits of `served_row` that forbid it.
 enum class walk_step : u32 {
     read = served_row::no_read,              ///< encodes the values
     probe = served_row::no_read | 0x1'0000,  ///< checks that they can be read
