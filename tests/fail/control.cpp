@@ -12,6 +12,7 @@
 #include <servobus/line/ring.hpp>
 #include <servobus/modbus/functions.hpp>
 #include <servobus/registers/catalogue.hpp>
+#include <servobus/server/host_row_server.hpp>
 
 #include "program.hpp"
 #include "tank.hpp"
@@ -88,6 +89,8 @@ inline void serve() {
     hooks own;
     (void)servobus::request_executor<tank_values, servobus::with_hooks<hooks>>{values, own};
     (void)servobus::request_executor<tank_values, servobus::with_mask_write>{values};
+    silent_port port;
+    (void)servobus::host_row_server<silent_port, tank_values>{port, values, 7, servobus::modbus::timing_at(9600)};
 }
 
 // clang-format off

@@ -23,6 +23,13 @@ inline constexpr servobus::coil<servobus::access::rw, device> valve{0x0000};
 inline servobus::u16 measured_flow() { return 5; }
 } // namespace tank
 
+struct silent_port {
+    servobus::transfer send(servobus::bytes) { return std::uint16_t{0}; }
+    bool sent() { return false; }
+    servobus::transfer receive(servobus::byte_buffer) { return std::uint16_t{0}; }
+    servobus::instant now() { return {}; }
+};
+
 namespace pump {
 struct device {
     static constexpr servobus::profile facts{.name = "pump"};

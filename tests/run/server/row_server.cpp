@@ -180,6 +180,11 @@ TEST_CASE("G13: bytes 00 or FF after a gap are skipped before a frame, as many a
     bench<with_leading_bytes<4>> b;
     CHECK(b.ask(byte_list(4, 0)).empty());
     CHECK(b.ask(byte_list(8, 0xFF)).empty());
+    byte_list too_long{0, 7, 0x10, 0, 0x10, 0, 60, 120}; // a frame for which the buffer has no room
+    too_long.resize(8 + 120, 1);
+    CHECK(b.ask(too_long).empty());
+    too_long.erase(too_long.begin());
+    CHECK(b.ask(too_long).empty());
     byte_list other{0x01};
     other.insert(other.end(), write_selected.begin(), write_selected.end());
     CHECK(b.ask(other).empty());
@@ -266,6 +271,14 @@ TEST_CASE("a garbled character rejects its frame, and the next one is executed")
         CHECK(b.values.get<served_rows::selected>() == served_rows::gear::low);
         CHECK(b.ask(write_selected) == write_selected);
     }
+}
+
+TEST_CASE("a garbled character alone costs no frame after a gap") {
+    bench b;
+    b.port.is_garbled = true;
+    b.step(96);
+    b.quiet(timing.t3_5 + 100u);
+    CHECK(b.ask(write_selected) == write_selected);
 }
 
 TEST_CASE("a port that waits for its last stop bit, or fails to send") {
