@@ -90,7 +90,8 @@ inline void serve() {
     (void)servobus::request_executor<tank_values, servobus::with_hooks<hooks>>{values, own};
     (void)servobus::request_executor<tank_values, servobus::with_mask_write>{values};
     silent_port port;
-    (void)servobus::host_row_server<silent_port, tank_values>{port, values, 7, servobus::modbus::timing_at(9600)};
+    (void)servobus::host_row_server<silent_port, tank_values>{port, values, 7,
+                                                              servobus::modbus::timing_at(9600)};
 }
 
 // clang-format off
