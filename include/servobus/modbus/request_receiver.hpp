@@ -20,8 +20,9 @@
 
 namespace servobus::modbus {
 
-/// Receives the frames of a line for a server at one address, `Server`, which derives from it. The caller passes received bytes and their times to `feed`, calls `elapse` when
-/// none arrived, and sends `response()` unless it is empty. Before the first byte the line counts as quiet.
+/// Receives the frames of a line for a server at one address, `Server`, which derives from it. The caller passes
+/// received bytes and their times to `feed`, calls `elapse` when none arrived, and sends `response()` unless it is
+/// empty. Before the first byte the line counts as quiet.
 ///
 /// Strict timing separates frames by gaps. Host timing, where adapters add gaps and hide others, separates
 /// frames by length and CRC. A frame of another address may then be a request of one length or a response of
@@ -33,9 +34,9 @@ namespace servobus::modbus {
 /// earlier where its CRC fits and no byte was received for t3.5. Only the next request is found so: no
 /// request to this server ends there.
 ///
-/// Up to `leading_bytes` bytes 00 or FF after a gap are skipped, as a driver that is switched
-/// on sends them. A frame that begins with such a byte, such as a broadcast, is another reading of the bytes.
-/// It is executed where it ends; a request after skipped bytes may have to wait for a visible gap.
+/// Up to `leading_bytes` bytes 00 or FF after a gap are skipped, as a driver that is switched on sends them. A
+/// frame that begins with such a byte, such as a broadcast, is another reading of the bytes. It is executed where
+/// it ends; a request after skipped bytes may have to wait for a visible gap.
 ///
 /// `Server` has two members:
 /// - `std::size_t execute(bytes frame, byte_buffer pdu)` executes a request to its address or to all. `frame` has a
