@@ -16,9 +16,9 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
-# Clients of every kind and a server; the network's ports; the simulated drives with a bus; the facades over a serial port;
+# Clients of every kind and a server; servers of rows; the network's ports; the simulated drives with a bus; the facades over a serial port;
 # the explanation of frames.
-ANALYSED = [f"tests/warnings/{name}.cpp" for name in ("clients", "network", "simulators", "facades")]
+ANALYSED = [f"tests/warnings/{name}.cpp" for name in ("clients", "servers", "network", "simulators", "facades")]
 SOURCE = ["-std=c++20", "-Iinclude", "-I."]
 STRICT = ["-Wall", "-Wextra", "-Werror"]
 CPPCHECK = ["--std=c++20", "--enable=warning,performance,portability", "--inline-suppr", "--error-exitcode=1", "-q"]
@@ -33,7 +33,7 @@ def commands(judge: str) -> list[list[str]]:
     if judge == "clang-tidy":
         return [["clang-tidy", "--quiet", program, "--", *SOURCE] for program in ANALYSED]
     if judge == "cppcheck":
-        return [["cppcheck", *CPPCHECK, "-Iinclude", "-I.", program] for program in ANALYSED[:2]]
+        return [["cppcheck", *CPPCHECK, "-Iinclude", "-I.", program] for program in ANALYSED[:3]]
     sys.exit(__doc__)
 
 

@@ -72,7 +72,7 @@ template <class Values, class... Options> class request_executor {
     /// The longest request for rows that exist, in bytes. Longer ones are refused whatever they contain.
     static constexpr std::size_t longest_request = [] {
         const std::size_t words =
-            has_read_write ? 10 + smaller(longest_write, 2 * max_write_of_read_write) : 0;
+            has_read_write ? 10 + smaller(longest_write, std::size_t{2} * max_write_of_read_write) : 0;
         return larger(larger(6 + larger(longest_write, longest_bits_write), words), 7);
     }();
     /// The longest response, in bytes.

@@ -46,10 +46,9 @@ template <const auto& R> class stored_value {
         requires detail::holds_every_value<R> : bits_{to_bits<value_type>(v.value)} {}
 
     /// A run-time value, limited to the range, and rounded towards zero to whole counts.
-    template <class V> constexpr stored_value(clamped_value<V> v) { // NOLINT: implicit, `set<r>(clamped(v))`
-        const std::int64_t count = count_of<R>(v.value).count;
-        bits_ = bits_of(count < R.limits.low ? R.limits.low : count > R.limits.high ? R.limits.high : count);
-    }
+    template <class V>
+    constexpr stored_value(clamped_value<V> v) // NOLINT: implicit, `set<r>(clamped(v))`
+        : bits_{bits_of(limited(count_of<R>(v.value).count))} {}
 
     /// The raw bits in two's complement; a register of one word uses the low half.
     constexpr u32 bits() const { return bits_; }
@@ -64,6 +63,10 @@ template <const auto& R> class stored_value {
     }
 
   private:
+    static constexpr std::int64_t limited(std::int64_t count) {
+        if (count < R.limits.low) return R.limits.low;
+        return count > R.limits.high ? R.limits.high : count;
+    }
     static constexpr u32 bits_of(std::int64_t count) {
         return static_cast<u32>(static_cast<std::uint64_t>(count));
     }

@@ -101,7 +101,7 @@ template <class Values, bool HasProbe> class row_walk {
 
     [[gnu::always_inline]] static constexpr unsigned words(Values& values, u32 step, const served_row* row,
                                                            unsigned quantity, std::uint8_t* data) {
-        const std::uint8_t* const end = data + 2 * quantity;
+        const std::uint8_t* const end = data + std::size_t{2} * quantity;
         for (;; ++row) {
             if (row->is(step)) return illegal_address;
             const bool is_pair = has_pairs && row->is(served_row::two_words);
