@@ -56,7 +56,8 @@ inline u32 count_ticks() {
 inline quantity<unit{measure::second}, u16> count_seconds() {
     return quantity<unit{measure::second}, u16>{3};
 }
-inline bool is_light() { return true; }
+inline bool is_on = true;
+inline bool is_light() { return is_on; }
 
 using values =
     row_values<valve, lows, pump, is_primed, siren, reset, last_coil, bit_0, bit_1, bit_2, bit_3, bit_4,

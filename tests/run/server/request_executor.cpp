@@ -397,6 +397,15 @@ TEST_CASE("an identification comes in as many parts as the buffer needs") {
     };
     CHECK(is(hex("2B 0E 04 01"), hex("2B 0E 04 83 00 00 01 01 03 52 2D 31")));
     CHECK(is(hex("2B 0E 04 03"), hex("AB 02")));
+    // The others begin again with an object that does not exist, or is not of their kind.
+    std::uint8_t again[64]{0x2B, 0x0E, 1, 5};
+    CHECK(request_executor<served_rows::values, with_identification<basic_objects>>{v}.execute(again, 4) ==
+          16);
+    CHECK(again[7] == 0);
+    std::uint8_t beyond[64]{0x2B, 0x0E, 2, 0x80};
+    CHECK(request_executor<served_rows::values, with_identification<extended_objects>>{v}.execute(beyond,
+                                                                                                  4) == 16);
+    CHECK(beyond[7] == 0);
     CHECK(is(hex("2B 0D 04 01"), hex("AB 01")));
     CHECK(is(hex("2B 0E 05 01"), hex("AB 03")));
     CHECK(is(hex("2B 0E 01"), hex("AB 03")));

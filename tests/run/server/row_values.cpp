@@ -120,6 +120,9 @@ TEST_CASE("the function of a computed row is called for each value") {
     CHECK(served_rows::computed_reads == 2);
     CHECK(v.get<served_rows::age>().count() == 3);
     CHECK(v.get<served_rows::light>());
+    served_rows::is_on = false;
+    CHECK(!v.get<served_rows::light>());
+    served_rows::is_on = true;
 }
 
 TEST_CASE("the free twins of get and set need no `template`") {
