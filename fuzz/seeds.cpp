@@ -236,7 +236,6 @@ int main() {
     blocking_line_calls(blocking_line);
     texts(text);
     functions(of_functions, explain);
-    functions(of_functions);
     row_requests(row_server);
     std::uint8_t device = 0;
     for (const std::string manual : {"zlac8015d", "yako", "c630s"}) {

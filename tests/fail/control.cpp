@@ -15,8 +15,8 @@
 #include <servobus/server/host_row_server.hpp>
 
 #include "program.hpp"
-#include "tank.hpp"
 #include "served.hpp"
+#include "tank.hpp"
 
 namespace c630s = servobus::c630s;
 using namespace servobus::c630s::literals;

@@ -89,7 +89,7 @@ template <class Row> constexpr plain_row plain(const Row& r) {
     p.of = table_of_row<Row>;
     p.rights = Row::rights;
     p.address = r.address;
-    if constexpr (is_bit_row<Row>) {
+    if constexpr (table_of_row<Row> <= table::discrete_inputs) {
         p.in = pool::bits;
         p.initial = r.initial;
     } else {
