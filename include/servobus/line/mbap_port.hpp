@@ -81,7 +81,7 @@ template <port Stream> class mbap_port {
         return static_cast<std::uint16_t>(frame.size());
     }
     bool sent() {
-        (void)push();
+        if (!is_broken_) (void)push(); // nothing leaves once the stream is lost
         return is_broken_ || (sent_ == sending_ && stream_.sent());
     }
     /// Gives the response to the last request, with a CRC. Errors: those of the stream; `port_lost`.

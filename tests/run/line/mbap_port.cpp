@@ -32,6 +32,7 @@ struct script {
     std::deque<std::uint8_t> coming;            // what is to be received
     errc lost = errc::ok;                       // what every call returns from now on
     std::size_t breaks_after = ~std::size_t{0}; // so many bytes the connection takes, then it is lost
+    bool is_draining = false;                   // what was taken has not left yet
     bool ends = false;                          // the peer closes the connection once it has sent all
     bool has_given = false;                     // bytes were received
     std::uint32_t us = 0;
@@ -57,7 +58,7 @@ struct stream {
         of->taken.insert(of->taken.end(), out.begin(), out.begin() + static_cast<std::ptrdiff_t>(n));
         return static_cast<std::uint16_t>(n);
     }
-    bool sent() { return true; }
+    bool sent() { return !of->is_draining; }
     transfer receive(byte_buffer in) {
         if (of->lost != errc::ok) return of->lost;
         answer();
@@ -216,6 +217,7 @@ TEST_CASE(
 TEST_CASE("Modbus TCP: what is no frame ends the connection, and none of its bytes is used") {
     const byte_list wrong[] = {
         {0, 1, 0, 1, 0, 5, 17, 3, 2, 0x55, 0x5A},       // another protocol
+        {0, 1, 1, 0, 0, 5, 17, 3, 2, 0x55, 0x5A},       // the same by its high byte
         {0, 1, 0, 0, 0, 1, 17},                         // too short
         {0, 1, 0, 0, 1, 0, 17, 3, 2, 0x55, 0x5A},       // too long
         {0, 1, 0, 0, 0xFF, 0xFF, 17, 3, 2, 0x55, 0x5A}, // no length
@@ -280,6 +282,64 @@ TEST_CASE("G33: a request of which a part has left leaves completely, and nothin
     CHECK(s.peer.taken.size() == 24);
     CHECK(byte_list(s.peer.taken.begin() + 12, s.peer.taken.end()) ==
           byte_list{0, 2, 0, 0, 0, 6, 17, 6, 1, 0, 0, 2});
+}
+
+TEST_CASE("Modbus TCP: a connection that is lost while a request waits to leave takes no other") {
+    scene s;
+    s.peer.takes = 0;
+    REQUIRE(s.port.send(byte_list{17, 6, 1, 0, 0, 1, 0, 0}));
+    s.peer.lost = errc::send_failed;
+    CHECK(s.port.send(byte_list{17, 6, 1, 0, 0, 2, 0, 0}).error() == errc::send_failed);
+    s.peer.lost = errc::ok;
+    s.peer.takes = 1000;
+    CHECK(s.port.send(byte_list{17, 6, 1, 0, 0, 2, 0, 0}).error() == errc::port_lost);
+    CHECK(s.port.sent()); // nothing more will leave
+    CHECK(s.peer.taken.empty());
+}
+
+TEST_CASE("Modbus TCP: a request has left once the stream has sent it") {
+    scene s;
+    s.peer.is_draining = true;
+    REQUIRE(s.port.send(byte_list{17, 3, 1, 0, 0, 1, 0, 0}));
+    CHECK(s.peer.taken.size() == 12);
+    CHECK_FALSE(s.port.sent());
+    s.peer.is_draining = false;
+    CHECK(s.port.sent());
+}
+
+TEST_CASE("Modbus TCP: a wait ends at once while bytes of a response are left to take") {
+    scene s;
+    s.peer.answers = answer_of_17;
+    REQUIRE(s.port.send(byte_list{17, 3, 1, 0, 0, 1, 0, 0}));
+    std::array<std::uint8_t, 6> most{};
+    const transfer first = s.port.receive(most);
+    REQUIRE(first);
+    CHECK(*first == 6); // of 7
+    const std::uint32_t began = s.peer.us;
+    s.port.wait(milliseconds(5));
+    CHECK(s.peer.us == began);
+    const transfer last = s.port.receive(most);
+    REQUIRE(last);
+    CHECK(*last == 1);
+    s.port.wait(milliseconds(5)); // for the next frame
+    CHECK(s.peer.us == began + 5000);
+}
+
+TEST_CASE("G2: a Modbus TCP response that comes before any request is dropped, whatever its number") {
+    for (const std::uint8_t number : {std::uint8_t{0}, std::uint8_t{1}}) {
+        CAPTURE(number);
+        scene s;
+        for (const std::uint8_t b : byte_list{0, number, 0, 0, 0, 5, 17, 3, 2, 0xDE, 0xAD})
+            s.peer.coming.push_back(b);
+        std::array<std::uint8_t, 16> got{};
+        const transfer nothing = s.port.receive(got);
+        REQUIRE(nothing);
+        CHECK(*nothing == 0);
+        s.peer.answers = answer_of_17;
+        std::uint16_t word = 0;
+        REQUIRE(s.read(&word, 1).error() == errc::ok);
+        CHECK(word == 0x555A);
+    }
 }
 
 TEST_CASE("G32: what is no RTU frame is not sent") {
