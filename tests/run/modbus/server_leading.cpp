@@ -165,4 +165,19 @@ TEST_CASE(
     CHECK(found == 256);
 }
 
+TEST_CASE("G13, G14: a byte 00 or FF that is the server's address is not skipped") {
+    for (const auto mode : both_modes) {
+        for (const std::uint8_t code : {std::uint8_t{0x00}, std::uint8_t{0x65}, std::uint8_t{0x81}}) {
+            CAPTURE(static_cast<int>(mode));
+            CAPTURE(code);
+            bench b{mode, 0xFF};
+            b.receive(framed({0xFF, code}));
+            CHECK(b.response() == tests::exception_response(0xFF, code, 1));
+            b.t3_5();
+            b.receive(write_to(0xFF, 5));
+            CHECK(b.response() == write_to(0xFF, 5));
+        }
+    }
+}
+
 } // namespace server_leading_tests

@@ -137,4 +137,24 @@ TEST_CASE("G13, G14: after a stall inside a frame of another node a request is e
     }
 }
 
+TEST_CASE("G13, G14: a call with no bytes is no byte: the line was quiet before it, and is so after it") {
+    for (const auto mode : both_modes) {
+        CAPTURE(static_cast<int>(mode));
+        bench b{mode};
+        b.server.feed_late({}, b.now); // before the first byte
+        b.server.feed({}, b.now);
+        b.receive(write_5);
+        CHECK(b.response() == write_5);
+        b.receive(byte_list(write_9.begin(), write_9.end() - 1)); // cut: a gap ends it
+        for (std::uint32_t us = 0; us < b.timing.visible_gap().us + 1'000; us += 100) {
+            b.quiet(100);
+            b.server.feed_late({}, b.now);
+            b.server.feed({}, b.now);
+        }
+        b.receive(write_5);
+        CHECK(b.response() == write_5);
+        CHECK(b.store.accesses == 2);
+    }
+}
+
 } // namespace server_stalls_tests
