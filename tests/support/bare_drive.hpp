@@ -31,6 +31,7 @@ struct command {
     std::uint16_t shift = 0;
     duration limit{};
     steps::recheck witness{}; ///< of a take-over
+    bool makes_known = false; ///< although it is none
 
     constexpr command plan(const settings&) const { return *this; }
 };
@@ -61,7 +62,7 @@ class model {
     }
     constexpr errc learn(const command& c, slice<const std::uint16_t>, settings& known) {
         ++done;
-        if (c.kind == command_kind::take_over) known = {drive_state::ready, c.witness};
+        if (c.kind == command_kind::take_over || c.makes_known) known = {drive_state::ready, c.witness};
         return errc::ok;
     }
     constexpr void fail(const command&, routine, const routine_status&, bool, const settings&, duration&) {
