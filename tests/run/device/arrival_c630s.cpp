@@ -138,6 +138,23 @@ TEST_CASE("G34: a move that ends short of its target says so, with its cause and
     }
 }
 
+TEST_CASE("G34, G35: while the stop for a fault is under way the move has ended short, with the fault as its "
+          "cause") {
+    polled p;
+    p.enable_in(control_mode::position);
+    REQUIRE(p.servo.run(segment{1, 50'000 * reference_unit, brisk, ramp}));
+    REQUIRE(p.servo.run(start_segment{1}));
+    p.loop(200);
+    REQUIRE(p.servo.arrival().how == arrival_state::under_way);
+    p.model.raise(0x620);
+    p.loop_until([&] { return !p.servo.is_idle(); }); // its stop begins
+    CHECK(p.servo.arrival().how == arrival_state::stopped_short);
+    CHECK(p.servo.arrival().cause == stop_cause::fault);
+    while (!p.servo.is_idle()) p.loop(1);
+    CHECK(p.servo.arrival().how == arrival_state::stopped_short);
+    CHECK(p.servo.arrival().cause == stop_cause::fault);
+}
+
 TEST_CASE(
     "G34: a wait after a move that was stopped ends immediately, and nothing is known after a restart") {
     polled p;

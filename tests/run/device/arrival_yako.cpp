@@ -126,6 +126,22 @@ TEST_CASE_TEMPLATE("G34: a stop of the program, an alarm and a release end a mov
     }
 }
 
+TEST_CASE_TEMPLATE(
+    "G34, G35: as soon as an alarm shows, the move that it cuts has ended short, although the motor "
+    "still turns",
+    A, closed_axis, open_axis) {
+    for (const auto alarm : {sim::yako_alarm::releases, sim::yako_alarm::holds}) {
+        polled<A> p{{.alarm = alarm}};
+        REQUIRE(p.drive.run(move_by{3000 * pulse, gentle}));
+        p.loop(300);
+        REQUIRE(p.drive.arrival().how == arrival_state::under_way);
+        p.a.model.raise_alarm(2);
+        while (p.drive.cause() != stop_cause::fault) p.loop(1);
+        CHECK(p.drive.arrival().how == arrival_state::stopped_short);
+        CHECK(p.drive.arrival().cause == stop_cause::fault);
+    }
+}
+
 TEST_CASE_TEMPLATE("G34: after a restart nothing is known of the move before it", A, closed_axis, open_axis) {
     polled<A> p;
     REQUIRE(p.drive.run(move_by{3000 * pulse, brisk}, until_arrived{}).how == arrival_state::reached);

@@ -5,6 +5,7 @@
 // on either side of a limit.
 #include <array>
 #include <cstdint>
+#include <cstdlib>
 
 #include <doctest/doctest.h>
 
@@ -230,6 +231,52 @@ TEST_CASE("G34: after a run of segments, a homing, a start without a response, a
         r.wire.faults() = {};
     }
     has_none();
+}
+
+TEST_CASE("S5: a position that is more than 20 units nearer to zero has fallen, in either direction and word "
+          "order") {
+    for (const word_order order : {word_order::high_first, word_order::low_first}) {
+        cached_settings known{};
+        known.word_order = order;
+        const auto words = [&](std::int64_t position) {
+            const auto bits = static_cast<std::uint32_t>(position & 0xFFFF'FFFF);
+            const auto high = static_cast<u16>(bits >> 16);
+            const auto low = static_cast<u16>(bits & 0xFFFF);
+            return order == word_order::high_first ? std::array<u16, 2>{high, low}
+                                                   : std::array<u16, 2>{low, high};
+        };
+        constexpr std::int64_t places[]{0,
+                                        1,
+                                        19,
+                                        20,
+                                        21,
+                                        22,
+                                        100,
+                                        -1,
+                                        -20,
+                                        -21,
+                                        -22,
+                                        -100,
+                                        65'535,
+                                        65'556,
+                                        -65'536,
+                                        5'000,
+                                        -5'000,
+                                        100'000,
+                                        -100'000,
+                                        2'147'483'647,
+                                        -2'147'483'648,
+                                        -2'147'483'628,
+                                        -2'147'483'627};
+        for (const std::int64_t before : places) {
+            for (const std::int64_t now : places) {
+                CAPTURE(before);
+                CAPTURE(now);
+                CHECK(model::is_fall(words(before).data(), words(now).data(), known) ==
+                      (std::llabs(before) - std::llabs(now) > 20));
+            }
+        }
+    }
 }
 
 } // namespace model_c630s_tests

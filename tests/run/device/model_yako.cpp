@@ -4,7 +4,9 @@
 // What a YAKO facade makes of single words: the feedback, word by word; the state between two steps of an init; and of a
 // drive that begins to move late.
 #include <array>
+#include <cstddef>
 #include <cstdint>
+#include <type_traits>
 
 #include <doctest/doctest.h>
 
@@ -83,6 +85,74 @@ TEST_CASE("4.1: a drive that begins 100 ms after its start was acknowledged carr
         CHECK(a.place() == target);
         a.run(1000);
     }
+}
+
+TEST_CASE_TEMPLATE(
+    "G34: an input that stops a motor and is active is the cause of a short move, any other is not", D,
+    closed_loop::device, open_loop::device) {
+    constexpr std::size_t inputs = std::is_same_v<D, closed_loop::device> ? 4 : 7;
+    // The manual's table of input functions: limits, motor free, stop and emergency stop.
+    const auto stops = [](u16 function) { return function >= 2 && function <= 6; };
+    for (std::size_t at = 0; at < inputs; ++at) {
+        for (u16 function = 0; function <= 20; ++function) {
+            for (const bool is_active : {false, true}) {
+                CAPTURE(at);
+                CAPTURE(function);
+                std::array<u16, 14> words{};
+                words[routines::functions_word + at] = function;
+                words[routines::inputs_at] = static_cast<u16>((is_active ? 1u : 0u) << at);
+                motion_under_way<D> m;
+                m.examine(slice<const u16>{words.data(), words.size()});
+                const bool is_cause = is_active && stops(function);
+                CHECK(m.cause() == (is_cause ? stop_cause::input : stop_cause::unknown));
+            }
+        }
+    }
+}
+
+TEST_CASE("G34: either software limit is the cause of a move that ends short at it") {
+    for (unsigned bit = 0; bit < 16; ++bit) {
+        std::array<u16, 14> words{};
+        words[routines::status_at] = static_cast<u16>(1u << bit);
+        const motion_status s = motion_status::from_word(words[routines::status_at]);
+        motion_under_way<closed_loop::device> m;
+        m.examine(slice<const u16>{words.data(), words.size()});
+        const bool is_limit = s.is_beyond_positive_limit() || s.is_beyond_negative_limit();
+        CHECK(m.cause() == (is_limit ? stop_cause::software_limit : stop_cause::unknown));
+    }
+    closed_axis a;
+    enabled_yako::take_homed(a);
+    REQUIRE(a.drive.run(limit_travel{8'000 * pulse, -2'000 * pulse}));
+    const arrival end = a.drive.run(move_by{-9'000 * pulse, enabled_yako::brisk}, until_arrived{});
+    CHECK(end.how == arrival_state::stopped_short);
+    CHECK(end.cause == stop_cause::software_limit);
+    CHECK(a.place() < -1'900);
+}
+
+TEST_CASE("A61: a wait for a move that rests at the end of the counter's range, and goes beyond it, is no "
+          "success") {
+    cached_settings known{};
+    known.state = drive_state::enabled;
+    known.word_order = word_order::high_first;
+    const auto image = [](std::int64_t position) {
+        const auto bits = static_cast<std::uint32_t>(position & 0xFFFF'FFFF);
+        return std::array<u16, 7>{0, 0, 0, 0, static_cast<u16>(bits >> 16), static_cast<u16>(bits & 0xFFFF),
+                                  0};
+    };
+    prepared_command move{};
+    move.then = effect::moved;
+    move.has_target = true;
+    move.target = 2'000;
+    model<closed_loop::device> m;
+    REQUIRE(m.permit(move, image(2'147'483'000).data(), known) == errc::ok);
+    REQUIRE(m.learn(move, {}, known) == errc::ok);
+    const prepared_command wait = until_arrived{}.plan(known);
+    const auto ended = [&](std::int64_t position) {
+        return m.confirm(wait, image(position).data(), milliseconds(5000), known);
+    };
+    CHECK(ended(2'147'483'647) == errc::unexpected_value);
+    CHECK(ended(2'147'485'000) == errc::ok);
+    CHECK(ended(2'147'483'100) == errc::stopped_short);
 }
 
 } // namespace model_yako_tests
