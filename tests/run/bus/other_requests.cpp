@@ -247,6 +247,71 @@ TEST_CASE("G28: a node of the program's own requests that is gone is asked once 
     CHECK(gone.good > again + 30); // and at its own rate again
 }
 
+namespace {
+
+/// A node counts as gone after so many requests of the program without a response.
+template <std::uint8_t Failures>
+constexpr poll_plan giving_up{
+    modbus::timing_at(115200),
+    controlled(wheels_node, {.feedback = milliseconds(20), .command_timeout = no_command_timeout}),
+    own_requests(sensor_node, milliseconds(50), 2), back_off{.failures = Failures}};
+
+/// The requests that reach the wire in 0.9 s, each of which takes 0.15 s, once the node is silent.
+template <std::uint8_t Failures> std::size_t asked_while_silent() {
+    rig r; // its bus is not stepped any more
+    bus<giving_up<Failures>, rig::line_type, decltype(r.wheels)> all{r.on, r.wheels};
+    asking a{r.on, sensor_node};
+    const auto run_for = [&](std::uint32_t ms) {
+        const std::uint64_t end = r.wire.time_us() + std::uint64_t{ms} * 1000;
+        while (r.wire.time_us() < end)
+            r.wire.wait(longer_of(shorter_of(all.step(), a.step(r.wire)), microseconds(1)));
+    };
+    run_for(5000);
+    const std::size_t before = r.count_to(9);
+    r.wire.set_connected(1, false);
+    run_for(900);
+    return r.count_to(9) - before;
+}
+
+} // namespace
+
+TEST_CASE("G28: a node of the program's own requests is gone after as many misses as the plan says, three at "
+          "most") {
+    const std::size_t after_one = asked_while_silent<1>();
+    CHECK(asked_while_silent<2>() == after_one + 1);
+    CHECK(asked_while_silent<3>() == after_one + 2);
+    CHECK(asked_while_silent<9>() == after_one + 2);
+}
+
+TEST_CASE("G28: a request that has ended, or that never left, is no miss of its node") {
+    for (const bool is_unplugged : {false, true}) {
+        CAPTURE(is_unplugged);
+        rig r;
+        std::array<std::uint8_t, 64> response{};
+        const auto request = modbus::read_frame(9, 0x06, 2);
+        const auto ended = [&] {
+            modbus::exchange x{request, response, r.on.timing(), sensor_node.limits};
+            const std::uint64_t end = r.wire.time_us() + 300'000;
+            while (!x.done() && r.wire.time_us() < end)
+                r.wire.wait(longer_of(microseconds(1), r.on.step(x, sensor_node.gaps)));
+            REQUIRE(x.done());
+            for (int i = 0; i < 5; ++i) CHECK(r.on.step(x, sensor_node.gaps) == duration{}); // once more
+            return x.status();
+        };
+        if (is_unplugged) {
+            r.wire.unplug();
+            for (int i = 0; i < 5; ++i) CHECK(ended() == status{errc::port_lost});
+            r.wire.plug();
+            r.wire.pass(milliseconds(200));
+        }
+        r.wire.set_connected(1, false);
+        for (int i = 0; i < 2; ++i) REQUIRE(ended() == status::sent(errc::timeout)); // it is gone after three
+        r.wire.set_connected(1, true);
+        CHECK(ended());
+        CHECK(ended());
+    }
+}
+
 TEST_CASE(
     "G28: the program's own requests to a node that the bus reads too are sent, though it does not respond") {
     rig r; // its bus is not stepped any more

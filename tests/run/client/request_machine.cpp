@@ -133,6 +133,25 @@ TEST_CASE("G3: any other function is sent once, and its response is refused if i
     });
 }
 
+TEST_CASE("a call that is over, or was never begun, goes on with nothing and keeps its status") {
+    for (const status& end : ends) {
+        node<device> of{1};
+        of.read_retries = 2;
+        for (const bool is_ruled_out : {false, true}) {
+            request_machine none;
+            status why = end;
+            CHECK_FALSE(none.goes_on(why, of, true, is_ruled_out));
+            CHECK(why == end);
+            CHECK(none.done());
+            request_machine over = request_machine::write();
+            (void)over.goes_on(why, of, false, false);
+            why = end;
+            CHECK_FALSE(over.goes_on(why, of, true, is_ruled_out));
+            CHECK(why == end);
+        }
+    }
+}
+
 TEST_CASE("a look is repeated once, and only if what came was no response") {
     struct answer {
         status end;
