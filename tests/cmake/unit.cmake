@@ -74,6 +74,7 @@ if(CMAKE_CROSSCOMPILING_EMULATOR)
 endif()
 # These put their own functions in the place of the system's before they include the library.
 set_source_files_properties(run/posix/posix_kernel.cpp run/posix/serial_wakes_early.cpp
+                            run/posix/tcp_kernel.cpp
                             PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON SKIP_PRECOMPILE_HEADERS ON)
 add_library(unit_main OBJECT run/main.cpp)
 target_link_libraries(unit_main PRIVATE unit_settings)

@@ -129,6 +129,27 @@ TEST_CASE("G11: after any number of frames of other nodes the response is still 
     }
 }
 
+TEST_CASE("any byte after a request shows that something was received, a skipped one too") {
+    const byte_list nothing{};
+    const byte_list skipped{0xFF};
+    const byte_list of_another{9};
+    for (const byte_list& came : {nothing, skipped, of_another, byte_list{1}}) {
+        std::array<std::uint8_t, 16> room{};
+        response_limits lenient;
+        lenient.leading_bytes = 1;
+        const byte_list request = read_of(1);
+        exchange x{request, room, host, lenient};
+        x.begin_leaving();
+        x.sent({1000});
+        CHECK_FALSE(x.has_received());
+        x.feed(came, {2000});
+        CHECK(x.has_received() == !came.empty());
+        x.elapse({1'000'000});
+        CHECK(x.status().error() == (came == byte_list{1} ? errc::truncated_response : errc::timeout));
+        CHECK(x.has_received() == !came.empty());
+    }
+}
+
 TEST_CASE("G5: up to 255 leading bytes may be skipped, and not one more") {
     response_limits lenient;
     lenient.leading_bytes = 255;

@@ -214,6 +214,8 @@ TEST_CASE("a pseudo-terminal without a host receives nothing and reports no erro
     CHECK(p.drive.receive(room).value_or(99) == 0);
     CHECK_FALSE(p.drive.has_peer());
     CHECK(p.drive.send(room).value_or(0) == 8);
+    const std::array<std::uint8_t, 5000> much{};
+    CHECK(p.drive.send(much).value_or(0) == 4096);
     CHECK(time_of([&] { p.drive.wait(milliseconds(3)); }) >= milliseconds(2)); // sleeps
     const duration look = time_of([&] { p.drive.wait(milliseconds(2000)); });  // checks for a host
     CHECK(look >= milliseconds(4));
@@ -378,6 +380,9 @@ TEST_CASE("a sleep ends exactly when it is due, and leaves the thread's own time
     CHECK(timer_slack() == 70'000);
     CHECK(slack_within([] { sleep_for(milliseconds(20)); }) == 1);
     CHECK(timer_slack() == 70'000);
+    REQUIRE(::prctl(PR_SET_TIMERSLACK, 1ul) == 0); // as exact as it can be
+    CHECK(slack_within([&] { p.host.wait(milliseconds(20)); }) == 1);
+    CHECK(timer_slack() == 1);
     (void)::prctl(PR_SET_TIMERSLACK, static_cast<unsigned long>(before));
 }
 
