@@ -60,9 +60,7 @@ template <device_class Device> struct fixed_bus_gaps {
     static constexpr duration gap = Device::facts.gap;
     static constexpr duration quarantine = Device::facts.quarantine;
 };
-struct fixed_priority {
-    constexpr operator servobus::priority() const { return servobus::priority::ordinary; }
-};
+struct fixed_priority {}; // ordinary
 } // namespace detail
 
 /// Node `Address` of a `Device` whose figures never change: constants of the program, for a `blocking_line`.
