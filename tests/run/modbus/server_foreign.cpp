@@ -52,8 +52,8 @@ struct bench {
     modbus::server<few_words> server;
     instant now{1'000'000};
 
-    explicit bench(modbus::timing_mode mode, std::uint8_t node_address = 1)
-        : timing{modbus::timing_at(115200, mode)}, server{node_address, store, timing} {}
+    explicit bench(modbus::timing_mode mode, std::uint8_t node_address = 1, modbus::server_rules rules = {})
+        : timing{modbus::timing_at(115200, mode)}, server{node_address, store, timing, rules} {}
 
     void quiet(duration d) {
         now = now + d;
@@ -432,6 +432,87 @@ TEST_CASE("a broadcast write after a request that may be a response is executed 
     b.silence();
     CHECK(b.store.reads == 0);
     CHECK(b.ask(write_5) == write_5);
+}
+
+namespace {
+
+// A request of 17h of node 7 for 12 registers, whose bytes are also a response of node 7, one of node 3, a request of 8
+// bytes and `last`, of 8 bytes: for frames of these lengths each has the right CRC.
+byte_list chain_in_a_request(const byte_list& last, const byte_list& before = framed({4, 0x06, 0, 2, 0, 9})) {
+    byte_list of_3{3, 0x01, 107};
+    of_3.resize(110, 0x11);
+    const byte_list chain = framed({7, 0x17, 8, 0, 0, 12, 0, 0, 0, 64, 128}) + framed(of_3) + before + last;
+    REQUIRE(last.size() == 8);
+    REQUIRE(chain.size() == 11 + 128 + 2);
+    REQUIRE(is_frame(chain, 13));
+    REQUIRE(is_frame(chain, chain.size()));
+    return chain;
+}
+
+} // namespace
+
+TEST_CASE("G13: where reads of two nodes end with the same byte, the response of either may follow") {
+    for (const bool is_at_once : {false, true}) {
+        bench b{modbus::timing_mode::host};
+        b.overhear(chain_in_a_request(read_of(2, 0x30, 12)));
+        if (!is_at_once) b.t3_5();
+        b.overhear(double_faced_response(24, write_5)); // of node 2
+        b.silence();
+        CHECK(b.store.writes == 0);
+        CHECK(b.ask(write_5) == write_5);
+    }
+}
+
+TEST_CASE("G13: a frame to the server of unknown length may go on after a pause, where another frame has "
+          "ended too") {
+    const byte_list begun = framed({1, 0x65, 1, 2, 3, 4});
+    const byte_list whole = framed(begun + write_5);
+    bench b{modbus::timing_mode::host};
+    b.overhear(chain_in_a_request(begun));
+    b.t3_5();
+    b.overhear(byte_list(whole.begin() + 8, whole.end()));
+    b.silence();
+    CHECK(b.store.writes == 0);
+    CHECK(b.response() == framed({1, 0xE5, 1}));
+    CHECK(b.ask(write_5) == write_5);
+}
+
+TEST_CASE("G13, G14: after a short response that may be a longer request, and skipped bytes, a request waits "
+          "for a gap") {
+    // FF, which is skipped, and a response of node 255; or FF FF, and a frame of node 2 with function 0Bh. Both end with
+    // a response of node 5, which may also be the beginning of its request.
+    byte_list of_255{0xFF, 0x02, 11};
+    of_255.resize(14, 0x21);
+    const byte_list heard = framed(of_255) + framed({5, 0x17, 0});
+    REQUIRE(is_frame(byte_list(heard.begin() + 1, heard.end()), heard.size() - 1));
+    bench b{modbus::timing_mode::host};
+    b.overhear(byte_list{0xFF} + heard);
+    b.t3_5();
+    CHECK_FALSE(b.receive(write_5));
+    CHECK(b.store.writes == 0);
+    b.silence();
+    CHECK(b.store.writes == 1);
+    CHECK(b.response() == write_5);
+}
+
+TEST_CASE("G14: where frames with and without skipped bytes before them end together, a request is executed "
+          "immediately") {
+    // After the chain, node 2 responds with 28 bytes; or it is asked, and 17 bytes 00 and FF come before a response of
+    // node 3: after so many both readings have the same CRC.
+    byte_list skipped(17, 0x00);
+    for (const std::size_t at : {0u, 1u, 3u, 14u, 16u}) skipped[at] = 0xFF;
+    const byte_list asked = framed({2, 0x03, 28, 0x10, 0, 1});
+    const byte_list rest = skipped + framed({3, 0x10, 0, 2, 0, 2});
+    REQUIRE(is_frame(asked + rest, 5 + 28));
+    modbus::server_rules rules;
+    rules.leading_bytes = 20;
+    bench b{modbus::timing_mode::host, 1, rules};
+    b.overhear(chain_in_a_request(asked, read_of(2, 0x20, 14)));
+    b.t3_5();
+    b.overhear(rest);
+    CHECK(b.receive(write_5));
+    CHECK(b.response() == write_5);
+    CHECK(b.store.writes == 1);
 }
 
 } // namespace server_foreign_tests
