@@ -292,8 +292,9 @@ template <class Model, class Line> class facade {
             link_.expire();
             invalidate();
         }
+        // Also in the middle of a frame: with its response the command would go on, although nothing is known.
         if (is_idle() || is_stopping() || run_.is_at_stop()) return;
-        if (flight_ == flight::none || is_waiting_to_send()) give_up(errc::needs_init);
+        give_up(errc::needs_init);
     }
     // The witness: what a restart would change.
     constexpr steps::recheck witness() const { return model_.witness(settings_, command_); }

@@ -204,6 +204,38 @@ TEST_CASE("G34, G35: while the stop for a fault is under way a wait for the move
     CHECK(b.drive.arrival().cause == stop_cause::fault);
 }
 
+TEST_CASE(
+    "G21, G22: a command during whose frame the watchdog's time passes is no success, and nothing is known") {
+    // The program stands still while a frame is under way; its response is there when it goes on.
+    unsigned ended = 0;
+    unsigned went_on = 0;
+    for (std::uint32_t us = 0; us < 80'000; us += 400) {
+        for (const std::uint32_t stall_ms : {925u, 930u, 936u, 940u}) {
+            CAPTURE(us);
+            CAPTURE(stall_ms);
+            wheels_bench b{milliseconds(500)};
+            REQUIRE(b.drive.run(z::disable{}));
+            const z::cached_settings before = b.drive.cached();
+            REQUIRE(before.max_speed != 0);
+            REQUIRE(b.drive.begin(z::enable{z::operating_mode::velocity}) == errc::ok);
+            for (const std::uint64_t end = b.wire.time_us() + us; b.wire.time_us() < end;) {
+                (void)b.drive.step();
+                b.wire.wait(microseconds(50));
+            }
+            if (b.drive.is_idle()) continue;
+            b.wire.pass(milliseconds(stall_ms));
+            while (!b.drive.is_idle()) b.step();
+            const bool is_done = static_cast<bool>(b.drive.last());
+            (is_done ? went_on : ended) += 1;
+            if (!is_done) CHECK(b.drive.last().error() == errc::needs_init);
+            CHECK((b.drive.state() == z::drive_state::enabled) == is_done);
+            if (is_done) CHECK(b.drive.cached().max_speed == before.max_speed);
+        }
+    }
+    CHECK(ended > 100);
+    CHECK(went_on > 100);
+}
+
 TEST_CASE("G34: a YAKO that an input or a software limit stops says so as the cause") {
     const auto cause_of = [](auto&& disturb) {
         sim::yako_closed_loop machine;
