@@ -205,7 +205,7 @@ TEST_CASE("G34, G35: while the stop for a fault is under way a wait for the move
 }
 
 TEST_CASE(
-    "G21, G22: a command during whose frame the watchdog's time passes is no success, and nothing is known") {
+    "G21, S3: a command during whose frame the watchdog's time passes is no success, and nothing is known") {
     // The program stands still while a frame is under way; its response is there when it goes on.
     unsigned ended = 0;
     unsigned went_on = 0;
