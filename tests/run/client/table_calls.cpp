@@ -8,8 +8,8 @@
 #include <cstdint>
 #include <vector>
 
-#include <servobus/line/blocking_line.hpp>
 #include <servobus/any_device.hpp>
+#include <servobus/line/blocking_line.hpp>
 #include <servobus/servobus.hpp>
 
 #include <tests/support/tank.hpp>
@@ -66,9 +66,9 @@ template <class Kind> struct setup {
 };
 } // namespace
 
-#define ON_EACH_LINE any_line, small_line, constants
+#define TABLES_ON_EACH_LINE any_line, small_line, constants
 
-TEST_CASE_TEMPLATE("each row is read by the function of its table", Kind, ON_EACH_LINE) {
+TEST_CASE_TEMPLATE("each row is read by the function of its table", Kind, TABLES_ON_EACH_LINE) {
     setup<Kind> r;
     r.model.coils[4] = r.model.discrete_inputs[9] = true;
     r.model.input_registers = {{0, 17}, {1, 0xFFFF}, {2, 1}, {3, 2}};
@@ -87,7 +87,7 @@ TEST_CASE_TEMPLATE("each row is read by the function of its table", Kind, ON_EAC
 }
 
 TEST_CASE_TEMPLATE("rows of several tables are read in one request for each run of addresses in a table",
-                   Kind, ON_EACH_LINE) {
+                   Kind, TABLES_ON_EACH_LINE) {
     setup<Kind> r;
     r.model.coils[3] = r.model.coils[0x10] = r.model.discrete_inputs[9] = true;
     r.model.input_registers[1] = 250;
@@ -109,7 +109,8 @@ TEST_CASE_TEMPLATE("rows of several tables are read in one request for each run 
     CHECK(r.model.requests == asked);
 }
 
-TEST_CASE_TEMPLATE("a request that fails leaves no value of several, and its error", Kind, ON_EACH_LINE) {
+TEST_CASE_TEMPLATE("a request that fails leaves no value of several, and its error", Kind,
+                   TABLES_ON_EACH_LINE) {
     setup<Kind> r;
     r.model.coils[3] = true;
     r.model.discrete_inputs.clear();
@@ -125,7 +126,7 @@ TEST_CASE_TEMPLATE("a request that fails leaves no value of several, and its err
     CHECK(r.port.frames.size() == 6); // three attempts at function 04
 }
 
-TEST_CASE_TEMPLATE("a lost response to a read of bits is asked for again", Kind, ON_EACH_LINE) {
+TEST_CASE_TEMPLATE("a lost response to a read of bits is asked for again", Kind, TABLES_ON_EACH_LINE) {
     setup<Kind> r;
     int lost = 2;
     r.model.coils[3] = true;
@@ -136,7 +137,8 @@ TEST_CASE_TEMPLATE("a lost response to a read of bits is asked for again", Kind,
     CHECK(r.port.frames.size() == 3);
 }
 
-TEST_CASE_TEMPLATE("padding that is not 0 is no value, and neither is a byte too many", Kind, ON_EACH_LINE) {
+TEST_CASE_TEMPLATE("padding that is not 0 is no value, and neither is a byte too many", Kind,
+                   TABLES_ON_EACH_LINE) {
     setup<Kind> r;
     r.answer({1, 1, 1, 0x02});
     CHECK(r.drive.template read<tank::valve>().error() == errc::unexpected_value);
@@ -150,7 +152,7 @@ TEST_CASE_TEMPLATE("padding that is not 0 is no value, and neither is a byte too
     CHECK((good && good->template get<tank::heater>() && !good->template get<tank::pump>()));
 }
 
-TEST_CASE_TEMPLATE("a coil is written by function 05, adjacent ones by 0F", Kind, ON_EACH_LINE) {
+TEST_CASE_TEMPLATE("a coil is written by function 05, adjacent ones by 0F", Kind, TABLES_ON_EACH_LINE) {
     setup<Kind> r;
     r.rule_out_echo();
     CHECK(r.drive.template write<tank::valve>(true));
@@ -166,7 +168,7 @@ TEST_CASE_TEMPLATE("a coil is written by function 05, adjacent ones by 0F", Kind
 }
 
 TEST_CASE_TEMPLATE("G3: the response to 05 may be an echo: the coil is read before the write counts as done",
-                   Kind, ON_EACH_LINE) {
+                   Kind, TABLES_ON_EACH_LINE) {
     setup<Kind> r;
     CHECK(r.drive.template write<tank::pump>(true));
     const std::vector<byte_list> asked{{5, 0, 4, 0xFF, 0}, {1, 0, 4, 0, 1}};
@@ -180,14 +182,15 @@ TEST_CASE_TEMPLATE("G3: the response to 05 may be an echo: the coil is read befo
     CHECK(!echoes.drive.template write_then_read<rows<tank::options>, tank::ramp>(checked(7 * millisecond)));
 }
 
-TEST_CASE_TEMPLATE("a coil of every device on the line is written by a broadcast", Kind, ON_EACH_LINE) {
+TEST_CASE_TEMPLATE("a coil of every device on the line is written by a broadcast", Kind,
+                   TABLES_ON_EACH_LINE) {
     setup<Kind> r;
     CHECK(r.drive.template broadcast<tank::reset>(true));
     CHECK(r.model.coils[0x11]);
     CHECK(r.port.frames.back().data == framed({0, 5, 0, 0x11, 0xFF, 0}));
 }
 
-TEST_CASE_TEMPLATE("16h changes the bits of the mask and no other", Kind, ON_EACH_LINE) {
+TEST_CASE_TEMPLATE("16h changes the bits of the mask and no other", Kind, TABLES_ON_EACH_LINE) {
     setup<Kind> r;
     r.rule_out_echo();
     r.model.holding_registers[0] = 0x1238;
@@ -209,7 +212,8 @@ TEST_CASE_TEMPLATE("16h: no byte count is taken for a mask, on a device that ans
     CHECK((r.drive.template change_bits<tank::options, 0x000C>(4)).error() == errc::wrong_value);
 }
 
-TEST_CASE_TEMPLATE("17h writes, then reads, in one transaction that is never repeated", Kind, ON_EACH_LINE) {
+TEST_CASE_TEMPLATE("17h writes, then reads, in one transaction that is never repeated", Kind,
+                   TABLES_ON_EACH_LINE) {
     setup<Kind> r;
     r.model.holding_registers[6] = 3;
     const auto seen =
