@@ -47,7 +47,7 @@ took configuring
 cmake --build "$build" -j "$jobs" || fail "it does not compile"
 took compiling
 # The programs mostly wait, so more tests run than there are cores.
-ctest --test-dir "$build" -L '^fast$' -j "$((jobs * 4))" --output-on-failure --no-tests=error "$@"
+ctest --test-dir "$build" -L '^fast$' -j "$((jobs * 3))" --output-on-failure --no-tests=error "$@"
 status=$?
 took testing
 echo "run.sh: $times"
