@@ -260,6 +260,12 @@ int main() {
     (void)io.read<tank::lamp>();
     (void)io.change_bits<tank::options, 0x0003>(1);
     (void)io.write_then_read<servobus::rows<tank::options>, tank::ramp>(5);
+    (void)io.write<tank::depth>(5);
+    (void)io.write<tank::wide>(5u);
+    (void)io.store<tank::night_light>(true);
+    bool is_open = true;
+    (void)io.write<tank::valve>(is_open);
+    servobus::stepped_read_words<some_tank, 2> sensor{io};
     (void)servobus::ring<4>{};
     constexpr std::uint16_t address = "P0B-07"_p;
     (void)address;

@@ -10,16 +10,21 @@
 
 namespace tank {
 struct device {
-    static constexpr servobus::profile facts{.name = "tank"};
+    static constexpr servobus::profile facts{.name = "tank", .eeprom_switch = 0x0021};
 };
 using servobus::access, servobus::full, servobus::no_unit, servobus::u16;
 inline constexpr servobus::coil<access::rw, device> valve{0x0003};
 inline constexpr servobus::coil<access::rw, device> pump{0x0004};
 inline constexpr servobus::coil<access::rw, device> lamp{0x0010};
+inline constexpr servobus::coil<access::rw, device> night_light{0x0011, false, servobus::saved_on_write};
 inline constexpr servobus::discrete_input<device> is_full{0x0003};
 inline constexpr servobus::input_reg<u16, device> level{0x0000, full<u16>, no_unit, servobus::no_default};
 inline constexpr servobus::reg<u16, access::rw, device> ramp{0x0003, {1, 100}, no_unit, 1};
 inline constexpr servobus::reg<u16, access::rw, device> options{0x0004, full<u16>, no_unit, 0};
+inline constexpr servobus::reg<servobus::i16, access::rw, device> depth{0x0005, {0, 32767}, no_unit, 0};
+inline constexpr servobus::reg<servobus::u32, access::rw, device> wide{0x0020, full<servobus::u32>, no_unit,
+                                                                       0};
+inline constexpr servobus::reg_array<servobus::input_reg<u16, device>, 4> sensors{level, 1};
 } // namespace tank
 
 struct some_tank : servobus::client<servobus::line<some_port>, tank::device> {

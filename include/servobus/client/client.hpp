@@ -154,7 +154,7 @@ class client : public raw_client<Line, Device, Node> {
     template <const auto&... Rs>
     requires(sizeof...(Rs) > 1) [[gnu::always_inline]] constexpr status write(register_value<Rs>... values) {
         if constexpr ((is_bit<Rs> || ...)) {
-            return other::template write_coils<Rs...>(*this, values...);
+            return other::template write_coils<false, Rs...>(*this, values...);
         } else {
             (check_wear<Rs>(), ...);
             return write_block<Rs...>(values...);
@@ -185,7 +185,16 @@ class client : public raw_client<Line, Device, Node> {
     }
     template <const auto&... Rs>
     requires(sizeof...(Rs) > 1) constexpr status store(register_value<Rs>... values) {
-        return write_block<Rs...>(values...);
+        if constexpr ((is_bit<Rs> || ...))
+            return other::template write_coils<true, Rs...>(*this, values...);
+        else
+            return write_block<Rs...>(values...);
+    }
+    /// The same for one coil.
+    template <const auto& R>
+    requires is_bit<R>
+    constexpr status store(register_value<R> value) {
+        return other::template write_coil<R, false, true>(*this, value);
     }
 
     /// Reads whether writes wear the device's EEPROM now; if not, returns the token that repeated writes need.

@@ -28,7 +28,7 @@ constexpr auto read(client<Line, Device, Node>& c, std::size_t index) {
 
 /// `c.write<Rs...>(values...)`
 template <const auto&... Rs, class Line, class Device, class Node>
-requires(is_register<Rs>&&...) constexpr status
+requires((is_register<Rs> || is_bit<Rs>)&&...) constexpr status
     write(client<Line, Device, Node>& c, register_value<Rs>... values) {
     return c.template write<Rs...>(values...);
 }
@@ -54,7 +54,7 @@ constexpr status write(client<Line, Device, Node>& c, std::size_t index, registe
 
 /// `c.store<Rs...>(values...)`
 template <const auto&... Rs, class Line, class Device, class Node>
-requires(is_register<Rs>&&...) constexpr status
+requires((is_register<Rs> || is_bit<Rs>)&&...) constexpr status
     store(client<Line, Device, Node>& c, register_value<Rs>... values) {
     return c.template store<Rs...>(values...);
 }
@@ -74,6 +74,17 @@ constexpr status write_if_different(client<Line, Device, Node>& c, register_valu
 template <const auto& R, class Line, class Device, class Node>
 constexpr status store_if_different(client<Line, Device, Node>& c, register_value<R> value) {
     return c.template store_if_different<R>(value);
+}
+
+/// `c.change_bits<R, Mask>(value)`
+template <const auto& R, u16 Mask, class Line, class Device, class Node>
+constexpr status change_bits(client<Line, Device, Node>& c, u16 value) {
+    return c.template change_bits<R, Mask>(value);
+}
+/// `c.write_then_read<Reads, Ws...>(values...)`
+template <class Reads, const auto&... Ws, class Line, class Device, class Node>
+constexpr auto write_then_read(client<Line, Device, Node>& c, register_value<Ws>... values) {
+    return c.template write_then_read<Reads, Ws...>(values...);
 }
 
 /// `c.broadcast<R>(value)`

@@ -66,6 +66,8 @@ class stepped_read<Client, Rows> : public detail::stepped_request<typename Clien
     static_assert(belongs_to<typename rows::device, typename Client::device>,
                   "this register belongs to another device");
     static_assert(rows::rights != access::wo, "this register is write-only");
+    static_assert(!detail::is_in_other_table<Rows>,
+                  "an array of input registers is read by stepped_read_words");
 
   public:
     constexpr explicit stepped_read(Client& of) : base{base::link_of(of)} {}

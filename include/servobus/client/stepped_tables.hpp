@@ -21,8 +21,8 @@ namespace servobus {
 
 /// Reads one coil, discrete input or input register.
 template <class Client, const auto& R>
-requires detail::is_in_other_table<R>
-class stepped_read<Client, R> : public detail::stepped_table_request<typename Client::link_type> {
+requires(detail::is_in_other_table<R> && !is_register_array<R>) class stepped_read<Client, R>
+    : public detail::stepped_table_request<typename Client::link_type> {
     using base = detail::stepped_table_request<typename Client::link_type>;
     using one = readings<R>;
     static_assert(belongs_to<typename row_type<R>::device, typename Client::device>,
@@ -79,7 +79,9 @@ requires(sizeof...(Rs) > 1 && (detail::is_in_other_table<Rs> || ...)) class step
         if (!base::done() || !base::status()) return idle;
         const table_extent& part = plan.requests[next_];
         const word_order order = base::order_at_end();
-        if (!values_.take(next_, bytes{frame_}.subspan(3, part.size())))
+        if (plan.has_echo_like_response && base::is_echo(part, frame_))
+            (void)base::refused(errc::own_echo);
+        else if (!values_.take(next_, bytes{frame_}.subspan(3, part.size())))
             (void)base::refused(errc::unexpected_value);
         else if (values::has_pairs && !Client::link_type::is_one_order(next_, order_, order))
             (void)base::refused(errc::needs_word_order);
@@ -110,9 +112,9 @@ requires(sizeof...(Rs) > 1 && (detail::is_in_other_table<Rs> || ...)) class step
 };
 
 namespace detail {
-template <class Client, const auto& R>
+template <class Client, bool Wears, const auto& R>
 requires is_bit<R>
-class stepped_put<Client, false, R> : public stepped_table_request<typename Client::link_type> {
+class stepped_put<Client, Wears, R> : public stepped_table_request<typename Client::link_type> {
     using base = stepped_table_request<typename Client::link_type>;
 
   public:
@@ -120,7 +122,7 @@ class stepped_put<Client, false, R> : public stepped_table_request<typename Clie
 
     /// Begins to write a coil. Errors: `busy` while a write is under way, which goes on; `bad_argument`.
     constexpr errc begin(register_value<R> value) {
-        check_coils<typename Client::device, R>();
+        check_coils<typename Client::device, Wears, R>();
         return base::begin_coil(frame_, R.address, value.bits() != 0);
     }
     constexpr duration step() {
@@ -131,8 +133,8 @@ class stepped_put<Client, false, R> : public stepped_table_request<typename Clie
     std::uint8_t frame_[8];
 };
 
-template <class Client, const auto&... Rs>
-requires(sizeof...(Rs) > 1 && (is_bit<Rs> || ...)) class stepped_put<Client, false, Rs...>
+template <class Client, bool Wears, const auto&... Rs>
+requires(sizeof...(Rs) > 1 && (is_bit<Rs> || ...)) class stepped_put<Client, Wears, Rs...>
     : public stepped_table_request<typename Client::link_type> {
     using base = stepped_table_request<typename Client::link_type>;
     using plan = coils_plan<typename Client::device, Rs...>;
@@ -142,6 +144,7 @@ requires(sizeof...(Rs) > 1 && (is_bit<Rs> || ...)) class stepped_put<Client, fal
 
     /// Begins to write adjacent coils in one frame: all or nothing. Errors: as of one coil.
     constexpr errc begin(register_value<Rs>... values) {
+        check_coils<typename Client::device, Wears, Rs...>();
         if (!base::done()) return errc::busy;
         plan::put(frame_, values...);
         return base::begin_coils(frame_, plan::rows[0].address, plan::count);

@@ -24,15 +24,16 @@ class register_value<R> {
   public:
     using value_type = bool;
 
-    template <class Bool> constexpr register_value(Bool on) : on_{static_cast<bool>(on)} { // NOLINT: implicit
+    template <class Bool> constexpr register_value(Bool on) { // NOLINT: implicit
         static_assert(std::is_same_v<Bool, bool>, "a coil is written as true or false");
+        if constexpr (std::is_same_v<Bool, bool>) on_ = on; // else the assertion is the only error
     }
 
     static constexpr errc error() { return errc::ok; }
     constexpr u32 bits() const { return on_ ? 1 : 0; }
 
   private:
-    bool on_;
+    bool on_ = false;
 };
 
 } // namespace servobus

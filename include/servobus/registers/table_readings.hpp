@@ -33,6 +33,13 @@ struct table_extent {
         return has_bits() ? (quantity + 7u) / 8u : std::size_t{2} * quantity;
     }
     constexpr std::size_t response_size() const { return 5 + size(); }
+    /// True if an echo of the request has the length and the byte count of its response.
+    constexpr bool has_echo_like_response() const { return has_bits() && size() == 3 && address >> 8 == 3; }
+    /// True if `response`, which is one to the request, repeats it.
+    constexpr bool is_repeated_by(bytes response) const {
+        return has_echo_like_response() && load_word(response, 2) == address &&
+               load_word(response, 4) == quantity;
+    }
 };
 
 namespace detail {
@@ -55,6 +62,7 @@ template <std::size_t Rows> struct table_plan {
     std::size_t bytes = 0; // data of all requests
     std::size_t longest_response = 0;
     bool overlaps = false;
+    bool has_echo_like_response = false; // one of the requests
 
     // The request that reads a row.
     constexpr const table_extent& request_of(table of, u16 address) const {
@@ -89,6 +97,7 @@ template <std::size_t N> constexpr table_plan<N> plan_tables(table_row (&&rows)[
         table_extent& request = p.requests[i];
         request.offset = static_cast<u16>(p.bytes);
         p.bytes += request.size();
+        if (request.has_echo_like_response()) p.has_echo_like_response = true;
         if (request.response_size() > p.longest_response) p.longest_response = request.response_size();
     }
     return p;

@@ -23,15 +23,21 @@ template <const auto& R> constexpr void check_wear() {
                   "what ram_only() gives");
 }
 
+/// True if the register, or the first or second word of it, has the address `setting`; 0: the device has no such setting.
+template <const auto& R> constexpr bool covers(u16 setting) {
+    return setting != 0 && setting >= R.address && setting < R.address + row_type<R>::words;
+}
 /// True for a register that a client writes only by `write`, since what it has learned of its node depends on it.
 template <class Device, const auto& R>
-inline constexpr bool is_setting = has(R.flags, flag::communication) ||
-                                   (R.address != 0 && (R.address == Device::facts.word_order_register ||
-                                                       R.address == Device::facts.eeprom_switch));
+inline constexpr bool
+    is_setting = has(R.flags, flag::communication) || covers<R>(Device::facts.word_order_register) ||
+                 covers<R>(Device::facts.eeprom_switch);
 
-template <class Device, const auto&... Rs> constexpr void check_coils() {
+/// `Wears`: the device may keep the write in its EEPROM.
+template <class Device, bool Wears, const auto&... Rs> constexpr void check_coils() {
     check_device<Device, Rs...>();
-    (check_wear<Rs>(), ...);
+    static_assert(Wears || !(has(Rs.flags, flag::saved_on_write) || ...),
+                  "every write of this coil wears the device's EEPROM: store() it");
     static_assert(!(has(Rs.flags, flag::communication) || ...),
                   "a coil that changes a setting of the line is written by transact()");
 }
@@ -48,7 +54,6 @@ template <class Device, const auto&... Rs> struct coils_plan {
 
     /// Stores the bits behind the head of the frame.
     static constexpr void put(std::uint8_t* frame, const register_value<Rs>&... values) {
-        check_coils<Device, Rs...>();
         for (std::size_t i = 7; i < room; ++i) frame[i] = 0;
         std::size_t i = 0;
         const auto put_one = [&](bool is_on) {
@@ -65,8 +70,9 @@ template <class Device, const auto& R, u16 Mask> constexpr void check_mask() {
     check_wear<R>();
     static_assert(table_of<R> == table::holding_registers && row::rights == access::rw,
                   "function 16h changes holding registers that can be read and written");
-    static_assert(row::words == 1 && R.limits.low <= 0 &&
-                      R.limits.high >= shape_of<typename row::value_type>.high,
+    static_assert(row::words == 1 && R.limits.low <= shape_of<typename row::value_type>.low &&
+                      R.limits.high >= shape_of<typename row::value_type>.high &&
+                      !has(R.flags, flag::zero_by_name),
                   "function 16h could take this register out of its range");
     static_assert(Mask != 0, "a change of no bit");
     static_assert(!is_setting<Device, R>,
@@ -95,6 +101,8 @@ template <class Device, const auto&... Rs, const auto&... Ws> struct both_plan<D
     static constexpr std::size_t request = 13 + 2 * words_written;
     static constexpr std::size_t response = 5 + 2 * std::size_t{read.words};
     static constexpr std::size_t room = request < response ? response : request;
+    /// True if an echo of the request has the length and the byte count of its response.
+    static constexpr bool has_echo_like_response = request == response && read.address >> 8 == 2 * read.words;
 
     static constexpr void check() {
         check_device<Device, Rs...>();

@@ -134,6 +134,7 @@ template <class Link> class stepped_request {
         }
         return 2 * words;
     }
+    constexpr bool is_echo_ruled_out() const { return link_->line().is_echo_ruled_out(); }
     constexpr word_order current_order() { return link_->current_word_order(); }
     constexpr errc order_known_if(bool matters) {
         return matters && current_order() == word_order::unknown ? errc::needs_word_order : errc::ok;
@@ -174,7 +175,7 @@ template <class Link> class stepped_request {
         servobus::status why = exchange_.status();
         // Facts may have been learned anew while the write waited for the line.
         if (is_writing) link_->invalidate(stale_);
-        const bool repeats = What == call_of::both     ? false
+        const bool repeats = What == call_of::both     ? !exchange_.differs_from_request()
                              : What == call_of::masked ? true
                                                        : code_ == (What == call_of::tables ? 0x05 : 0x06);
         if (machine_.goes_on(why, node(), repeats, link_->line().is_echo_ruled_out()))

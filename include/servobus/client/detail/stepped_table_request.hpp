@@ -28,6 +28,10 @@ template <class Link> class stepped_table_request : public stepped_request<Link>
         return base::template begin<call_of::tables>(request_machine::read(), frame, size, part.address,
                                                      part.code());
     }
+    /// True if the response in `frame` may be the echo of the request that read `part`.
+    constexpr bool is_echo(const table_extent& part, const std::uint8_t* frame) {
+        return part.is_repeated_by({frame, 6}) && !base::is_echo_ruled_out();
+    }
     /// Writes a coil by function 05, or coils whose bits lie in `frame` from its byte 7 on by 0F.
     constexpr errc begin_coil(std::uint8_t* frame, u16 address, bool is_on) {
         return begin_bits(frame, 8, modbus::function::write_single_coil, address,

@@ -48,6 +48,12 @@ template <class Line, device_class Device, class Node> struct table_calls<client
             const byte_buffer response = byte_buffer{frame}.first(part.response_size());
             why = read_part(of, part, response);
             if (why.error() != errc::ok) break;
+            if constexpr (plan.has_echo_like_response) {
+                if (part.is_repeated_by(response) && !of.line_->is_echo_ruled_out()) {
+                    why = status::sent(errc::own_echo);
+                    break;
+                }
+            }
             if (!values->take(i, bytes{response}.subspan(3, part.size())))
                 why = status::sent(errc::unexpected_value);
             if constexpr (own::loses_word_order && all::has_pairs) { // an attempt had no response
@@ -65,14 +71,15 @@ template <class Line, device_class Device, class Node> struct table_calls<client
         return values;
     }
 
-    template <const auto& R, bool IsBroadcast>
+    template <const auto& R, bool IsBroadcast, bool Wears = false>
     static constexpr status write_coil(own& of, const register_value<R>& value) {
-        check_coils<Device, R>();
+        check_coils<Device, Wears, R>();
         return write_bit<IsBroadcast>(of, R.address, value.bits() != 0);
     }
-    template <const auto&... Rs>
+    template <bool Wears, const auto&... Rs>
     static constexpr status write_coils(own& of, const register_value<Rs>&... values) {
         using plan = coils_plan<Device, Rs...>;
+        check_coils<Device, Wears, Rs...>();
         std::uint8_t frame[plan::room];
         plan::put(frame, values...);
         return write_bits(of, frame, plan::rows[0].address, plan::count);
@@ -95,6 +102,10 @@ template <class Line, device_class Device, class Node> struct table_calls<client
         if (const errc wrong = plan::put(request, order, values...); wrong != errc::ok) why = wrong;
         if (why.error() == errc::ok)
             why = write_and_read(of, request, plan::first_written, plan::read, response);
+        if constexpr (plan::has_echo_like_response) {
+            if (why.error() == errc::ok && !of.line_->is_echo_ruled_out() && same_bytes(response, request))
+                why = status::sent(errc::own_echo);
+        }
         if (why.error() == errc::ok) {
             words_view{bytes{response}.subspan(3)}.copy_to(read->words());
             read->set_word_order(order);

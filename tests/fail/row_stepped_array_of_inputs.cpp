@@ -1,0 +1,12 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// A stepped read of an array of input registers.
+// EXPECT: an array of input registers is read by stepped_read_words
+// MEND: servobus::stepped_read_words<some_tank, 2> sensor{io};
+#include "tank.hpp"
+
+int main() {
+    some_tank io;
+    servobus::stepped_read<some_tank, tank::sensors> sensor{io}; // wrong
+}

@@ -1,0 +1,12 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// A write of a coil that the device keeps in its EEPROM.
+// EXPECT: every write of this coil wears the device's EEPROM: store() it
+// MEND: (void)io.store<tank::night_light>(true);
+#include "tank.hpp"
+
+int main() {
+    some_tank io;
+    (void)io.write<tank::night_light>(true); // wrong
+}
