@@ -253,15 +253,14 @@ class raw_client : protected detail::node_link<Line, Device, Node> {
         }
     }
 
-    /// The same for function 16h or 17h.
-    template <modbus::function Code> constexpr status carried_as(bytes request, byte_buffer response) {
-        constexpr bool is_single = Code == modbus::function::mask_write_register;
+    /// The same for function 17h, whose response is judged as that to function 03.
+    constexpr status carried_both(bytes request, byte_buffer response) {
         if constexpr (Line::is_small) {
-            return run(exchange_for<false, true>::trusted(request, response, node_.limits, is_single,
-                                                          node_.priority));
+            return run(
+                exchange_for<false, true>::trusted(request, response, node_.limits, false, node_.priority));
         } else {
             exchange x = exchange::trusted(request, response, line_->timing(), node_.limits, node_.priority);
-            if (!is_single) x.judge_like(modbus::like(request));
+            x.judge_like(modbus::like(request));
             return run(x);
         }
     }

@@ -202,7 +202,7 @@ class stepped_write_then_read : public detail::stepped_table_request<typename Cl
         }
         if (const errc wrong = plan::put(frame_, order, values...); wrong != errc::ok)
             return base::refused(wrong);
-        return base::begin_both(frame_, plan::words_written, plan::first_written, plan::read, on);
+        return base::begin_both(frame_, plan::extents, on);
     }
     constexpr duration step() {
         return base::template move_on<detail::call_of::both>(frame_);

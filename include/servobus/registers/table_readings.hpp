@@ -172,7 +172,7 @@ requires(detail::is_in_other_table<Rs> || ...) class readings<Rs...> {
     }
 
   private:
-    std::uint8_t data_[plan.bytes];
+    alignas(u16) std::uint8_t data_[plan.bytes]; // so a result of few bytes is returned in a register
     [[no_unique_address]] detail::kept_word_order<typename detail::same_device<Rs...>::device> word_order_{};
 };
 

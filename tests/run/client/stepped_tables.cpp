@@ -9,9 +9,9 @@
 #include <functional>
 #include <vector>
 
+#include <servobus/any_device.hpp>
 #include <servobus/client/stepped_read.hpp>
 #include <servobus/client/stepped_write.hpp>
-#include <servobus/any_device.hpp>
 #include <servobus/servobus.hpp>
 
 #include <tests/support/tank.hpp>
@@ -186,10 +186,10 @@ TEST_CASE("a stepped write of coils is the blocking one") {
 }
 
 TEST_CASE("a stepped change of bits, and a write and read in one transaction, are the blocking ones") {
-    check_same([](machine& m) { return outcome_of{m.drive.change_bits<tank::options, 0x000C>(4)}; },
+    check_same([](machine& m) { return outcome_of{m.drive.change_bits<tank::options, 0x000C>(0xFFF4)}; },
                [](machine& m) {
                    stepped_change_bits<test_client, tank::options, 0x000C> call{m.drive};
-                   CHECK(call.begin(4) == errc::ok);
+                   CHECK(call.begin(0xFFF4) == errc::ok);
                    CHECK(call.begin(8) == errc::busy);
                    m.finish(call);
                    return outcome_of{call.status()};

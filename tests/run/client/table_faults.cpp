@@ -84,9 +84,9 @@ template <class Kind> struct setup {
     tests::waiting_scripted_port port;
     tests::plain_tables tables = model();
     typename Kind::line on = Kind::on(port);
-    client<typename Kind::line, device> drive{on, node<device>{1}};
+    client<typename Kind::line, device> drive;
 
-    setup() { answers(); }
+    explicit setup(word_order stated = word_order::unknown) : drive{on, node_of(stated)} { answers(); }
     setup(const setup&) = delete;
     void answers() {
         port.device = [this](scripted_port& p, const sent_frame& f) { tables(p, f, 1); };
@@ -100,6 +100,11 @@ template <class Kind> struct setup {
             port.time += 200;
         }
         REQUIRE(call.done());
+    }
+    static node<device> node_of(word_order stated) {
+        node<device> n{1};
+        n.word_order = stated;
+        return n;
     }
     std::size_t sent_with(std::uint8_t code) const {
         std::size_t n = 0;
@@ -124,6 +129,28 @@ template <std::size_t... N> consteval auto cyclic_bits(std::index_sequence<N...>
 }
 constexpr auto bits_entry = cyclic_bits(std::make_index_sequence<24>{});
 constexpr poll_plan bits_plan{timing, bits_entry};
+constexpr auto two_bytes_entry = cyclic_bits(std::make_index_sequence<11>{});
+constexpr poll_plan two_bytes_plan{timing, two_bytes_entry};
+
+// A request has at most 2000 bits, and at most as many registers as the device gives.
+namespace parts {
+struct device {
+    static constexpr profile facts{.name = "small", .max_read = 2};
+};
+inline constexpr input_reg<u16, device> word_0{0, full<u16>, no_unit, 0};
+inline constexpr input_reg<u16, device> word_1{1, full<u16>, no_unit, 0};
+inline constexpr input_reg<u16, device> word_2{2, full<u16>, no_unit, 0};
+inline constexpr discrete_input<device> bit_0{0};
+inline constexpr discrete_input<device> bit_1{1};
+inline constexpr discrete_input<device> bit_2{2};
+static_assert(readings<word_0, word_1, word_2>::plan.count == 2);
+static_assert(readings<word_0, word_1, word_2>::plan.requests[0].quantity == 2);
+static_assert(readings<bit_0, bit_1, bit_2>::plan.count == 1);
+constexpr auto most = servobus::detail::plan_tables<3>(
+    {{table::coils, 0, 1999}, {table::coils, 2000, 1}, {table::coils, 1999, 1}}, 2);
+static_assert(most.count == 2 && most.requests[0].quantity == 2000 && !most.overlaps);
+static_assert(most.longest_response == 255 && most.bytes == 251 && most.requests[1].offset == 250);
+} // namespace parts
 } // namespace
 
 #define ON_EACH_LINE any_line, small_line
@@ -138,7 +165,10 @@ TEST_CASE_TEMPLATE("G3: an echo that is as long as the response to a read of bit
     CHECK(!r.on.is_echo_ruled_out());
 
     setup<Kind> good; // where something else has been received, such a response is one
-    CHECK(good.drive.template read<input>());
+    const auto seen = read_bits(good.drive, std::make_index_sequence<24>{});
+    REQUIRE(seen);
+    CHECK((seen->template get<bit<0>>() && seen->template get<bit<9>>() && seen->template get<bit<21>>()));
+    CHECK((!seen->template get<bit<1>>() && !seen->template get<bit<8>>() && !seen->template get<bit<23>>()));
     good.port.device = [](scripted_port& p, const sent_frame& f) { p.say(500, f.data); };
     CHECK(read_bits(good.drive, std::make_index_sequence<24>{}));
 }
@@ -155,6 +185,37 @@ TEST_CASE("G3: the same for a stepped read, and for a bus") {
     r.answers();
     all.run_for(milliseconds(2500));
     CHECK(all.latest<0>(milliseconds(400)));
+}
+
+TEST_CASE("a bus has each bit of a read of several bytes, and judges the padding of the last one") {
+    line_setup r;
+    bus<two_bytes_plan, any_line::line> all{r.on};
+    all.run_for(milliseconds(200));
+    const auto seen = all.latest<0>(milliseconds(100));
+    REQUIRE(seen);
+    CHECK((seen->get<bit<0>>() && seen->get<bit<6>>() && seen->get<bit<9>>()));
+    CHECK((!seen->get<bit<1>>() && !seen->get<bit<8>>() && !seen->get<bit<10>>()));
+    r.port.device = [](scripted_port& p, const sent_frame&) { p.say(500, framed({1, 1, 2, 0x01, 0x08})); };
+    all.run_for(milliseconds(200));
+    CHECK(all.latest<0>(milliseconds(100)).error() == errc::unexpected_value);
+    r.port.device = [](scripted_port& p, const sent_frame&) { p.say(500, framed({1, 1, 2, 0xFF, 0x04})); };
+    all.run_for(milliseconds(200));
+    CHECK(all.latest<0>(milliseconds(100)));
+}
+
+TEST_CASE_TEMPLATE("a read that fails leaves nothing of its response", Kind, ON_EACH_LINE) {
+    setup<Kind> r;
+    r.port.device = [](scripted_port& p, const sent_frame&) { p.say(500, framed({1, 1, 1, 0xFF})); };
+    const auto bad = r.drive.template read<coil_18, coil_19>();
+    CHECK(bad.error() == errc::unexpected_value);
+    CHECK((!bad->template get<coil_18>() && !bad->template get<coil_19>()));
+    r.port.device = [&](scripted_port& p, const sent_frame& f) {
+        if (f.data[1] == 2) r.tables(p, f, 1);
+    };
+    r.tables.coils[0x18] = true;
+    const auto half = r.drive.template read<coil_18, input, light>(); // the coil goes first
+    CHECK(half.error() == errc::timeout);
+    CHECK((!half->template get<coil_18>() && !half->template get<input>()));
 }
 
 TEST_CASE_TEMPLATE("G3: an echo that is as long as the response of function 17h is none", Kind,
@@ -229,6 +290,19 @@ TEST_CASE_TEMPLATE("G22: a word order that changes between the parts of a read l
     };
     CHECK(r.drive.template read<energy, power>().error() == errc::needs_word_order);
     CHECK(lost == 2);
+
+    setup<Kind> stated{word_order::high_first}; // which counts again once the learned one is stale
+    stated.tables.holding_registers[0x19] = 1;
+    REQUIRE(stated.drive.learn_word_order());
+    lost = 0;
+    stated.port.device = [&](scripted_port& p, const sent_frame& f) {
+        if (f.data[3] == 0x10 && lost++ == 0) return;
+        stated.tables(p, f, 1);
+    };
+    CHECK(stated.drive.template read<energy, power>().error() == errc::needs_word_order);
+    const auto after = stated.drive.template read<energy, power>();
+    REQUIRE(after);
+    CHECK(after->template get<energy>() == 0x1'0002u);
 }
 
 TEST_CASE("G22: the same for a stepped read; and a 17h that waits while the word order becomes stale sends "
@@ -244,6 +318,23 @@ TEST_CASE("G22: the same for a stepped read; and a 17h that waits while the word
     CHECK(read.begin() == errc::ok);
     r.finish(read);
     CHECK(read.value().error() == errc::needs_word_order);
+
+    line_setup stated{word_order::high_first};
+    stated.tables.holding_registers[0x19] = 1;
+    REQUIRE(stated.drive.learn_word_order());
+    lost = 0;
+    stated.port.device = [&](scripted_port& p, const sent_frame& f) {
+        if (f.data[3] == 0x10 && lost++ == 0) return;
+        stated.tables(p, f, 1);
+    };
+    stepped_read<test_client, energy, power> two{stated.drive};
+    CHECK(two.begin() == errc::ok);
+    stated.finish(two);
+    CHECK(two.value().error() == errc::needs_word_order);
+    CHECK(two.begin() == errc::ok);
+    stated.finish(two);
+    REQUIRE(two.value());
+    CHECK(two.value()->get<energy>() == 0x1'0002u);
 
     r.answers();
     REQUIRE(r.drive.learn_word_order());

@@ -80,6 +80,12 @@ template <class Device, const auto& R, u16 Mask> constexpr void check_mask() {
                   "by write()");
 }
 
+/// The adjacent registers of a function 17h.
+struct both_extents {
+    extent read;
+    extent written;
+};
+
 /// The one transaction of function 17h that writes `Ws` and then reads `Reads`, which is `rows<Rs...>`.
 template <class Device, class Reads, const auto&... Ws> struct both_plan {
     static_assert(sizeof(Reads) == 0, "what is read is rows<...>");
@@ -91,12 +97,12 @@ template <class Device, const auto&... Rs, const auto&... Ws> struct both_plan<D
     static_assert(!(is_setting<Device, Ws> || ...),
                   "a setting of the line, of the word order or of the memory is written by write()");
     static_assert(readings<Rs...>::is_one_frame, "function 17h reads adjacent registers");
-    static constexpr std::size_t words_written = write_plan<Ws...>::words;
+    static constexpr u16 words_written = write_plan<Ws...>::words;
     static_assert(words_written <= 121, "function 17h writes at most 121 registers");
 
     using values = readings<Rs...>;
-    static constexpr u16 first_written = write_plan<Ws...>::rows[0].address;
     static constexpr extent read = values::plan.requests[0];
+    static constexpr both_extents extents{read, {write_plan<Ws...>::rows[0].address, words_written}};
     static constexpr bool has_pairs = values::has_pairs || ((row_type<Ws>::words == 2) || ...);
     static constexpr std::size_t request = 13 + 2 * words_written;
     static constexpr std::size_t response = 5 + 2 * std::size_t{read.words};

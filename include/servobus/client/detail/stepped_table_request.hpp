@@ -54,21 +54,22 @@ template <class Link> class stepped_table_request : public stepped_request<Link>
         return base::template begin<call_of::masked>(request_machine::write(), frame, 10, address, frame[1]);
     }
     /// Writes the words that lie in `frame` from its byte 11 on, and reads `read`, by function 17h.
-    constexpr errc begin_both(std::uint8_t* frame, std::size_t words, u16 write_address, extent read,
+    constexpr errc begin_both(std::uint8_t* frame, const both_extents& both,
                               const typename base::condition& on) {
         if (const errc no = refusal(); no != errc::ok) return no;
+        const std::size_t words = both.written.words;
         const byte_buffer request{frame, 13 + 2 * words};
         request[0] = base::node().address;
-        modbus::put_trusted_request(request.subspan(1), modbus::function::read_write_registers, read.address,
-                                    read.words);
-        store_word(request, 6, write_address);
-        store_word(request, 8, static_cast<u16>(words));
+        modbus::put_trusted_request(request.subspan(1), modbus::function::read_write_registers,
+                                    both.read.address, both.read.words);
+        store_word(request, 6, both.written.address);
+        store_word(request, 8, both.written.words);
         request[10] = static_cast<std::uint8_t>(2 * words);
         (void)modbus::close_trusted<typename base::crc>(request, request.size() - 3);
         base::set_condition(on);
         // The address is in the request; its place has the length of the response.
         return base::template begin<call_of::both>(request_machine::transaction(), frame, request.size(),
-                                                   static_cast<u16>(5 + 2 * read.words), frame[1]);
+                                                   static_cast<u16>(5 + 2 * both.read.words), frame[1]);
     }
 
   private:

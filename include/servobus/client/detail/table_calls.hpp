@@ -46,7 +46,12 @@ template <class Line, device_class Device, class Node> struct table_calls<client
         for (std::size_t i = 0; i < plan.count && why.error() == errc::ok; ++i) {
             const table_extent& part = plan.requests[i];
             const byte_buffer response = byte_buffer{frame}.first(part.response_size());
-            why = read_part(of, part, response);
+            if constexpr (is_fixed<Node> && plan.count == 1)
+                why = repeated(of, constant_request<plan.requests[0].code(), plan.requests[0].address,
+                                                    plan.requests[0].quantity>.all,
+                               response);
+            else
+                why = read_part(of, part, response);
             if (why.error() != errc::ok) break;
             if constexpr (plan.has_echo_like_response) {
                 if (part.is_repeated_by(response) && !of.line_->is_echo_ruled_out()) {
@@ -65,7 +70,8 @@ template <class Line, device_class Device, class Node> struct table_calls<client
         }
         values->set_word_order(order);
         if (why.error() != errc::ok) {
-            values->clear();
+            if constexpr (plan.count > 1 || plan.requests[0].has_bits() || own::loses_word_order)
+                values->clear();
             values.fail(why);
         }
         return values;
@@ -100,8 +106,7 @@ template <class Line, device_class Device, class Node> struct table_calls<client
         const word_order order = plan::has_pairs ? of.current_word_order() : word_order::high_first;
         if (order == word_order::unknown) why = errc::needs_word_order;
         if (const errc wrong = plan::put(request, order, values...); wrong != errc::ok) why = wrong;
-        if (why.error() == errc::ok)
-            why = write_and_read(of, request, plan::first_written, plan::read, response);
+        if (why.error() == errc::ok) why = write_and_read(of, request, plan::extents, response);
         if constexpr (plan::has_echo_like_response) {
             if (why.error() == errc::ok && !of.line_->is_echo_ruled_out() && same_bytes(response, request))
                 why = status::sent(errc::own_echo);
@@ -120,17 +125,28 @@ template <class Line, device_class Device, class Node> struct table_calls<client
     [[gnu::noinline]] static constexpr status read_part(own& of, const table_extent& part,
                                                         byte_buffer response) {
         if (!of.node_.is_valid()) return errc::bad_argument;
-        modbus::frame<8> request;
-        request.data[0] = of.node_.address;
-        modbus::put_trusted_request(byte_buffer{request.data}.subspan(1),
-                                    static_cast<modbus::function>(part.code()), part.address, part.quantity);
-        (void)modbus::close_trusted<crc>(request.data, 5);
+        const short_request request = request_for(of.node_.address, part.code(), part.address, part.quantity);
+        return repeated(of, request.all, response);
+    }
+    static constexpr status repeated(own& of, const std::uint8_t* request, byte_buffer response) {
         status why;
         request_machine call = request_machine::read();
-        do why = of.carried(bytes{request.data, 8}, response);
+        do why = of.carried(bytes{request, 8}, response);
         while (call.goes_on(why, of.node_, false, false));
         return why;
     }
+    static constexpr short_request request_for(std::uint8_t node_address, std::uint8_t code, u16 address,
+                                               u16 quantity) {
+        short_request r{};
+        r.all[0] = node_address;
+        modbus::put_trusted_request(byte_buffer{r.all}.subspan(1), static_cast<modbus::function>(code),
+                                    address, quantity);
+        (void)modbus::close_trusted<crc>(r.all, 5);
+        return r;
+    }
+    /// A read of a fixed node, in flash.
+    template <std::uint8_t Code, u16 Address, u16 Quantity>
+    static constexpr short_request constant_request = request_for(Node::address, Code, Address, Quantity);
 
     /// Writes one coil, function 05. The response repeats the request: where it may be an echo, the coil is read.
     template <bool IsBroadcast = false>
@@ -163,23 +179,32 @@ template <class Line, device_class Device, class Node> struct table_calls<client
                                     address, and_mask);
         store_word(frame, 6, or_mask);
         (void)modbus::close_trusted<crc>(frame, 7);
-        const status why = of.template carried_as<modbus::function::mask_write_register>(frame, frame);
+        status why = of.carried(frame, frame, true);
+        if constexpr (
+            Line::is_small) { // which takes a byte count, where the device may send one, in each response
+            if (of.node_.limits.echoes_byte_count && why.error() == errc::ok &&
+                (load_word(frame, 4) != and_mask || load_word(frame, 6) != or_mask))
+                why = status::sent(errc::wrong_value);
+        }
         return rules_out_echo<modbus::function::read_holding_registers>(of, why, address);
     }
 
     /// Writes and then reads registers, function 17h. The values to write lie in `request` from its byte 11 on.
-    [[gnu::noinline]] static constexpr status write_and_read(own& of, byte_buffer request, u16 write_address,
-                                                             extent read, byte_buffer response) {
+    [[gnu::noinline]] static constexpr status write_and_read(own& of, std::uint8_t* request_data,
+                                                             const both_extents& both,
+                                                             std::uint8_t* response_data) {
         if (!of.node_.is_valid()) return errc::bad_argument;
-        const std::size_t written = request.size() - 13; // bytes
+        const std::size_t written = std::size_t{2} * both.written.words; // bytes
+        const byte_buffer request{request_data, 13 + written};
+        const byte_buffer response{response_data, 5 + std::size_t{2} * both.read.words};
         request[0] = of.node_.address;
-        modbus::put_trusted_request(request.subspan(1), modbus::function::read_write_registers, read.address,
-                                    read.words);
-        store_word(request, 6, write_address);
-        store_word(request, 8, static_cast<u16>(written / 2));
+        modbus::put_trusted_request(request.subspan(1), modbus::function::read_write_registers,
+                                    both.read.address, both.read.words);
+        store_word(request, 6, both.written.address);
+        store_word(request, 8, both.written.words);
         request[10] = static_cast<std::uint8_t>(written);
         (void)modbus::close_trusted<crc>(request, request.size() - 3);
-        return of.template carried_as<modbus::function::read_write_registers>(request, response);
+        return of.carried_both(request, response);
     }
 
   private:
