@@ -261,6 +261,7 @@ int main() {
     (void)io.change_bits<tank::options, 0x0003>(1);
     (void)io.write_then_read<servobus::rows<tank::options>, tank::ramp>(5);
     (void)io.write<tank::depth>(5);
+    (void)io.store<tank::kept>(1);
     (void)io.write<tank::wide>(5u);
     (void)io.store<tank::night_light>(true);
     bool is_open = true;

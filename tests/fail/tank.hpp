@@ -21,6 +21,8 @@ inline constexpr servobus::discrete_input<device> is_full{0x0003};
 inline constexpr servobus::input_reg<u16, device> level{0x0000, full<u16>, no_unit, servobus::no_default};
 inline constexpr servobus::reg<u16, access::rw, device> ramp{0x0003, {1, 100}, no_unit, 1};
 inline constexpr servobus::reg<u16, access::rw, device> options{0x0004, full<u16>, no_unit, 0};
+inline constexpr servobus::reg<u16, access::rw, device> kept{0x0006, full<u16>, no_unit, 0,
+                                                             servobus::saved_on_write};
 inline constexpr servobus::reg<servobus::i16, access::rw, device> depth{0x0005, {0, 32767}, no_unit, 0};
 inline constexpr servobus::reg<servobus::u32, access::rw, device> wide{0x0020, full<servobus::u32>, no_unit,
                                                                        0};

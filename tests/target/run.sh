@@ -92,6 +92,15 @@ object() { # NAME BOUND: the RAM of an object, which may have so many bytes at m
     [ "$size" -le "$2" ] || { verdict="  ABOVE ITS BUDGET $2" status=1; }
     printf '%-72s%-14s%7s%6s%s\n' "$(echo "$1" | tr _ ' ')" cortex-m0plus "" "$size" "$verdict"
 }
+adds() { # NAME BOUND LINE CALLS: the flash that calls add to tables.cpp, at most so many bytes
+    build tables cortex-m0plus -DLINE="$3" -DCALLS=0
+    flash=$(size_of '$1 + $2')
+    build tables cortex-m0plus -DLINE="$3" -DCALLS="$4"
+    flash=$(($(size_of '$1 + $2') - flash))
+    verdict=""
+    [ "$flash" -le "$2" ] || { verdict="  ABOVE ITS BUDGET $2" status=1; }
+    printf '%-72s%-14s%7s%s\n' "$1" cortex-m0plus "$flash" "$verdict"
+}
 recording=0
 [ "${1:-}" != --record ] || recording=1
 
@@ -119,6 +128,22 @@ object facade_of_a_zlac8015d 404
 object facade_of_a_closed_loop_yako 470
 object facade_of_an_open_loop_yako 470
 object facade_of_a_c630s 480
+
+# What calls for other tables and functions add to a program that reads and writes holding registers.
+adds "blocking line: and input registers" 184 0 1
+adds "... coils read" 196 0 2
+adds "... a coil written (05)" 260 0 4
+adds "... coils written (0F)" 184 0 8
+adds "... bits of a register changed (16h)" 232 0 16
+adds "... a write and read in one transaction (17h)" 752 0 32
+adds "... all of these" 1792 0 63
+adds "line: and input registers" 304 1 1
+adds "... coils read" 320 1 2
+adds "... a coil written (05)" 312 1 4
+adds "... coils written (0F)" 192 1 8
+adds "... bits of a register changed (16h)" 272 1 16
+adds "... a write and read in one transaction (17h)" 484 1 32
+adds "... all of these" 1756 1 63
 
 if [ "$recording" = 1 ]; then
     [ "$status" = 0 ] || { echo "target/run.sh: FAILED, nothing recorded"; exit 1; }

@@ -167,9 +167,10 @@ struct requested_node {
 };
 
 /// The program's own requests to a node, stepped on the line of the bus: at most one every `period` and of at most
-/// `words` registers. They count in the plan's times; any other request beside the bus ends with `errc::not_in_plan`,
-/// but for stops. A node without a drive or a read in the plan that did not respond three times is asked once every
-/// `back_off::retry_every`, 30 s at most.
+/// `words` registers, or 16 bits for each. Function 16h counts as two registers, and 17h as those that it writes, those
+/// that it reads, and one more. They count in the plan's times; any other request beside the bus ends with
+/// `errc::not_in_plan`, but for stops. A node without a drive or a read in the plan that did not respond three times is
+/// asked once every `back_off::retry_every`, 30 s at most.
 template <device_class Device>
 consteval requested_node own_requests(const node<Device>& to, duration period, std::uint16_t words) {
     if (period == duration{} || period > longest_period)

@@ -120,4 +120,43 @@ TEST_CASE("padding that is not 0 is no value, and does not count as a response t
     CHECK(!r.all.is_absent(9));
 }
 
+namespace {
+template <std::uint16_t Words>
+constexpr poll_plan plan_of{timing, target, own_requests(tank_node, milliseconds(50), Words)};
+
+// The errors of the program's own 16h, 17h (of one register, and one read) and 0F, beside a bus.
+template <std::uint16_t Words> void check_own(bool has_16h, bool has_17h) {
+    CAPTURE(Words);
+    tests::waiting_scripted_port port;
+    tests::plain_tables model = tank::model();
+    port.device = [&](scripted_port& p, const sent_frame& f) { model(p, f, 9); };
+    line<tests::waiting_scripted_port> wire{port, timing};
+    bus<plan_of<Words>, line<tests::waiting_scripted_port>> all{wire};
+    client io{wire, tank_node};
+    const auto error_of = [&](auto& call) {
+        for (int i = 0; i < 20'000 && !call.done(); ++i) {
+            all.step();
+            (void)call.step();
+            port.time += 200;
+        }
+        return call.status().error();
+    };
+    stepped_change_bits<decltype(io), tank::options, 1> change{io};
+    REQUIRE(change.begin(1) == errc::ok);
+    CHECK(error_of(change) == (has_16h ? errc::ok : errc::not_in_plan));
+    stepped_write_then_read<decltype(io), rows<tank::state>, tank::ramp> both{io};
+    REQUIRE(both.begin(7 * millisecond) == errc::ok);
+    CHECK(error_of(both) == (has_17h ? errc::ok : errc::not_in_plan));
+    stepped_write<decltype(io), tank::valve, tank::pump, tank::heater> coils_written{io};
+    REQUIRE(coils_written.begin(true, true, true) == errc::ok);
+    CHECK(error_of(coils_written) == errc::ok);
+}
+} // namespace
+
+TEST_CASE("own requests beside a bus: 16h counts as two registers, 17h as all of its registers and one") {
+    check_own<1>(false, false);
+    check_own<2>(true, false);
+    check_own<3>(true, true);
+}
+
 } // namespace bus_tables_tests
