@@ -311,12 +311,18 @@ class raw_client : protected detail::node_link<Line, Device, Node> {
     template <bool IsFirst, modbus::function Code = modbus::function::read_holding_registers>
     [[gnu::cold, gnu::noinline]] constexpr errc ask(u16 address) {
         request_machine call = IsFirst ? request_machine::write(true) : request_machine::check();
-        modbus::frame<8> request = modbus::read_frame<crc>(node_.address, address, 1);
         constexpr bool is_bit = Code == modbus::function::read_coils;
-        if constexpr (is_bit) {
-            request.data[1] = static_cast<std::uint8_t>(Code);
-            (void)modbus::close_trusted<crc>(request.data, 5);
-        }
+        const modbus::frame<8> request = [&] {
+            if constexpr (is_bit) { // less code than `read_frame`, which programs with registers have
+                modbus::frame<8> r;
+                r.data[0] = node_.address;
+                modbus::put_trusted_request(byte_buffer{r.data}.subspan(1), Code, address, 1);
+                r.size = modbus::close_trusted<crc>(r.data, 5).size();
+                return r;
+            } else {
+                return modbus::read_frame<crc>(node_.address, address, 1);
+            }
+        }();
         for (;;) {
             std::uint8_t response[is_bit ? 6 : 7];
             (void)carried(request, response);

@@ -14,6 +14,7 @@
 
 #include <servobus/client/detail/row_rules.hpp>
 #include <servobus/client/detail/stepped_table_request.hpp>
+#include <servobus/client/detail/table_calls.hpp>
 #include <servobus/client/stepped_read.hpp>
 #include <servobus/client/stepped_write.hpp>
 

@@ -120,6 +120,10 @@ template <const auto&... Rs>
 inline constexpr auto read_plan_of_tables =
     plan_tables<sizeof...(Rs)>({table_row_of<Rs>()...}, same_device<Rs...>::device::facts.max_read);
 
+// The request of a plan that has only one: less flash than the whole plan.
+template <const auto&... Rs>
+inline constexpr table_extent only_request = read_plan_of_tables<Rs...>.requests[0];
+
 } // namespace detail
 
 /// The result of reading rows of any tables: what the requests brought, from which `get` decodes the value of each row.

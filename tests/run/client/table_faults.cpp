@@ -294,6 +294,10 @@ TEST_CASE_TEMPLATE("G22: a word order that changes between the parts of a read l
     setup<Kind> stated{word_order::high_first}; // which counts again once the learned one is stale
     stated.tables.holding_registers[0x19] = 1;
     REQUIRE(stated.drive.learn_word_order());
+    const auto learned = stated.drive.template read<energy, power>();
+    REQUIRE(learned);
+    CHECK(learned->template get<energy>() == 0x2'0001u);
+    CHECK(*stated.drive.template read<power>() == 0x12'0011u);
     lost = 0;
     stated.port.device = [&](scripted_port& p, const sent_frame& f) {
         if (f.data[3] == 0x10 && lost++ == 0) return;
@@ -328,6 +332,12 @@ TEST_CASE("G22: the same for a stepped read; and a 17h that waits while the word
         stated.tables(p, f, 1);
     };
     stepped_read<test_client, energy, power> two{stated.drive};
+    lost = 1;
+    CHECK(two.begin() == errc::ok);
+    stated.finish(two);
+    REQUIRE(two.value());
+    CHECK(two.value()->get<energy>() == 0x2'0001u);
+    lost = 0;
     CHECK(two.begin() == errc::ok);
     stated.finish(two);
     CHECK(two.value().error() == errc::needs_word_order);

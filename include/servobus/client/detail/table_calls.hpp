@@ -22,9 +22,9 @@ template <class Line, device_class Device, class Node> struct table_calls<client
     template <const auto& R> static constexpr result<bool> read_bit(own& of) {
         check_device<Device, R>();
         static_assert(row_type<R>::rights != access::wo, "this coil is write-only");
-        constexpr table_extent one{table_of<R>, R.address, 1, 0};
+        const table_extent& one = only_request<R>;
         std::uint8_t frame[6];
-        const status why = read_part(of, one, frame);
+        const status why = read_part(of, one, frame, sizeof frame);
         if (why.error() != errc::ok) return why;
         if (frame[3] > 1) return status::sent(errc::unexpected_value);
         return frame[3] == 1;
@@ -44,22 +44,22 @@ template <class Line, device_class Device, class Node> struct table_calls<client
         status why{order == word_order::unknown ? errc::needs_word_order : errc::ok};
         std::uint8_t frame[plan.longest_response];
         for (std::size_t i = 0; i < plan.count && why.error() == errc::ok; ++i) {
-            const table_extent& part = plan.requests[i];
-            const byte_buffer response = byte_buffer{frame}.first(part.response_size());
+            const table_extent& part = plan.count == 1 ? only_request<Rs...> : plan.requests[i];
+            const std::size_t size = part.response_size();
             if constexpr (is_fixed<Node> && plan.count == 1)
                 why = repeated(of, constant_request<plan.requests[0].code(), plan.requests[0].address,
                                                     plan.requests[0].quantity>.all,
-                               response);
+                               frame, size);
             else
-                why = read_part(of, part, response);
+                why = read_part(of, part, frame, size);
             if (why.error() != errc::ok) break;
             if constexpr (plan.has_echo_like_response) {
-                if (part.is_repeated_by(response) && !of.line_->is_echo_ruled_out()) {
+                if (part.is_repeated_by(frame) && !of.line_->is_echo_ruled_out()) {
                     why = status::sent(errc::own_echo);
                     break;
                 }
             }
-            if (!values->take(i, bytes{response}.subspan(3, part.size())))
+            if (!values->take(i, bytes{frame}.subspan(3, part.size())))
                 why = status::sent(errc::unexpected_value);
             if constexpr (own::loses_word_order && all::has_pairs) { // an attempt had no response
                 const word_order now = of.current_word_order();
@@ -121,17 +121,18 @@ template <class Line, device_class Device, class Node> struct table_calls<client
     }
 
   private:
-    /// One request with retries. `response` is as long as the whole response.
+    /// One request with retries. `size`: of the whole response.
     [[gnu::noinline]] static constexpr status read_part(own& of, const table_extent& part,
-                                                        byte_buffer response) {
+                                                        std::uint8_t* response, std::size_t size) {
         if (!of.node_.is_valid()) return errc::bad_argument;
         const short_request request = request_for(of.node_.address, part.code(), part.address, part.quantity);
-        return repeated(of, request.all, response);
+        return repeated(of, request.all, response, size);
     }
-    static constexpr status repeated(own& of, const std::uint8_t* request, byte_buffer response) {
+    static constexpr status repeated(own& of, const std::uint8_t* request, std::uint8_t* response,
+                                     std::size_t size) {
         status why;
         request_machine call = request_machine::read();
-        do why = of.carried(bytes{request, 8}, response);
+        do why = of.carried(bytes{request, 8}, byte_buffer{response, size});
         while (call.goes_on(why, of.node_, false, false));
         return why;
     }
