@@ -267,6 +267,12 @@ int main() {
     bool is_open = true;
     (void)io.write<tank::valve>(is_open);
     servobus::stepped_read_words<some_tank, 2> sensor{io};
+    servobus::stepped_change_bits<some_tank, tank::options, 0x0003> bits{io};
+    (void)bits.begin(1);
+    servobus::stepped_store<some_tank, tank::night_light> light{io};
+    (void)light.begin(true);
+    servobus::stepped_write_then_read<some_tank, servobus::rows<tank::options>, tank::ramp> both{io};
+    (void)both.begin(5);
     (void)servobus::ring<4>{};
     constexpr std::uint16_t address = "P0B-07"_p;
     (void)address;

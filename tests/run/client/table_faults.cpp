@@ -203,6 +203,25 @@ TEST_CASE("a bus has each bit of a read of several bytes, and judges the padding
     CHECK(all.latest<0>(milliseconds(100)));
 }
 
+TEST_CASE_TEMPLATE("G2: a response to 05 or 0F has the address and the value or quantity of its request",
+                   Kind, ON_EACH_LINE) {
+    setup<Kind> r;
+    CHECK(r.drive.template read<input>());
+    const auto answer = [&](const byte_list& body) {
+        r.port.device = [body](scripted_port& p, const sent_frame&) { p.say(500, framed(body)); };
+    };
+    answer({1, 5, 0, 0x18, 0, 0});
+    CHECK(r.drive.template write<coil_18>(true).error() == errc::wrong_value);
+    answer({1, 5, 0, 0x19, 0xFF, 0});
+    CHECK(r.drive.template write<coil_18>(true).error() == errc::wrong_address);
+    answer({1, 15, 0, 0x18, 0, 3});
+    CHECK(r.drive.template write<coil_18, coil_19>(true, true).error() == errc::wrong_quantity);
+    answer({1, 15, 0, 0x19, 0, 2});
+    CHECK(r.drive.template write<coil_18, coil_19>(true, true).error() == errc::wrong_address);
+    answer({1, 5, 0, 0x18, 0xFF, 0});
+    CHECK(r.drive.template write<coil_18, coil_19>(true, true).error() == errc::wrong_function);
+}
+
 TEST_CASE_TEMPLATE("a read that fails leaves nothing of its response", Kind, ON_EACH_LINE) {
     setup<Kind> r;
     r.port.device = [](scripted_port& p, const sent_frame&) { p.say(500, framed({1, 1, 1, 0xFF})); };
@@ -363,6 +382,31 @@ TEST_CASE("G22: the same for a stepped read; and a 17h that waits while the word
     CHECK(both.value().error() == errc::needs_word_order);
     CHECK(!both.status().was_sent());
     CHECK(r.sent_with(0x17) == 0);
+}
+
+TEST_CASE_TEMPLATE("G22: function 17h writes and reads in the word order that was learned", Kind,
+                   ON_EACH_LINE) {
+    setup<Kind> r;
+    r.tables.holding_registers[0x19] = 1; // low first
+    CHECK(r.drive.template write_then_read<rows<place>, place>(raw(0x1'0002)).error() ==
+          errc::needs_word_order);
+    REQUIRE(r.drive.learn_word_order());
+    const auto seen = r.drive.template write_then_read<rows<place>, place>(raw(0x1'0002));
+    REQUIRE(seen);
+    CHECK(seen->template get<place>() == 0x1'0002u);
+    CHECK((r.tables.holding_registers[0x301] == 2 && r.tables.holding_registers[0x302] == 1));
+}
+TEST_CASE("G22: the same stepped") {
+    line_setup r;
+    r.tables.holding_registers[0x19] = 1;
+    stepped_write_then_read<test_client, rows<place>, place> both{r.drive};
+    CHECK(both.begin(raw(0x1'0002)) == errc::needs_word_order);
+    REQUIRE(r.drive.learn_word_order());
+    CHECK(both.begin(raw(0x1'0002)) == errc::ok);
+    r.finish(both);
+    REQUIRE(both.value());
+    CHECK(both.value()->get<place>() == 0x1'0002u);
+    CHECK((r.tables.holding_registers[0x301] == 2 && r.tables.holding_registers[0x302] == 1));
 }
 
 TEST_CASE_TEMPLATE("a coil that the device keeps at each write is stored by name", Kind, ON_EACH_LINE) {

@@ -1,0 +1,21 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// A stepped function 17h that reads a register of another device.
+// EXPECT: this register belongs to another device
+// MEND: servobus::stepped_write_then_read<some_tank, servobus::rows<tank::options>, tank::ramp> both{io};
+#include "tank.hpp"
+
+namespace other {
+struct device {
+    static constexpr servobus::profile facts{.name = "other"};
+};
+inline constexpr servobus::reg<servobus::u16, servobus::access::ro, device> level{
+    0x0010, servobus::full<servobus::u16>, servobus::no_unit, 0};
+} // namespace other
+
+int main() {
+    some_tank io;
+    servobus::stepped_write_then_read<some_tank, servobus::rows<other::level>, tank::ramp> both{io};
+    (void)both.begin(5); // wrong
+}

@@ -1,0 +1,13 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// A stepped write of a coil that the device keeps in its EEPROM.
+// EXPECT: every write of this coil wears the device's EEPROM: store() it
+// MEND: servobus::stepped_store<some_tank, tank::night_light> light{io};
+#include "tank.hpp"
+
+int main() {
+    some_tank io;
+    servobus::stepped_write<some_tank, tank::night_light> light{io};
+    (void)light.begin(true); // wrong
+}
