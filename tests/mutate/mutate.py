@@ -18,7 +18,8 @@ HERE = Path(__file__).resolve().parent
 ROOT = HERE.parent.parent
 # The register tables, the simulators and the hosted parts have tests of another kind.
 ROOMS = ("core", "modbus", "line", "client", "server", "control", "bus", "explain")
-REGISTER_HEADERS = ("block", "coil_value", "register_value", "table_readings", "format", "wire", "unit", "catalogue", "profile")
+REGISTER_HEADERS = ("block", "coil_value", "register_value", "table_readings", "format", "wire", "unit")
+REGISTER_HEADERS += ("catalogue", "profile")
 # Of each device what its facade is made of.
 FACADE_HEADERS = """basic_drive drive model prepared_command commands routines setting_routines set_up_progress moves
 motion feedback""".split()
