@@ -45,7 +45,7 @@ BEFORE = """#include <array>
 """
 UART = """struct my_uart { transfer send(bytes); bool sent(); transfer receive(byte_buffer); instant now(); };
 inline my_uart uart;"""
-TANK = """struct tank_device { static constexpr profile facts{.name = "tank"}; };
+SERVED = """struct tank_device { static constexpr profile facts{.name = "tank"}; };
 namespace tank {
 constexpr reg<u16, access::rw, tank_device> lowest{0, {0, 900}, no_unit, 0}, highest{1, {0, 900}, no_unit, 900};
 constexpr reg<i32, access::ro, tank_device> level{2, full<i32>, no_unit, 0};
@@ -100,9 +100,9 @@ GIVEN = {
     "line/echo.hpp": WIRE,
     "line/observer.hpp": UART,
     "line/ring.hpp": UART,
-    "server/": TANK,
-    "server/host_row_server.hpp": TANK + UART,
-    "server/row_server.hpp": TANK + UART,
+    "server/": SERVED,
+    "server/host_row_server.hpp": SERVED + UART,
+    "server/row_server.hpp": SERVED + UART,
     "line/tcp_open.hpp": """struct address { const address* ai_next; }; inline const address* found = nullptr;
         instant clock_now(); errc connect_to(const address&, duration);""",
     "posix/descriptor.hpp": 'constexpr const char* path = "/dev/ttyUSB0";',

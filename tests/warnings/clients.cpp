@@ -8,9 +8,12 @@
 #include <cstdint>
 #include <span>
 
+#include <servobus/any_device.hpp>
 #include <servobus/client/change_address.hpp>
 #include <servobus/client/change_baud_rate.hpp>
 #include <servobus/client/free_calls.hpp>
+#include <servobus/client/identification.hpp>
+#include <servobus/client/peer_node.hpp>
 #include <servobus/client/scan.hpp>
 #include <servobus/device/c630s/registers.hpp>
 #include <servobus/device/yako.hpp>
@@ -20,11 +23,11 @@
 #include <servobus/modbus/crc_tables.hpp>
 #include <servobus/modbus/functions.hpp>
 #include <servobus/modbus/growing_response.hpp>
+#include <servobus/modbus/response_lengths.hpp>
 #include <servobus/modbus/response_rules.hpp>
 #include <servobus/modbus/server.hpp>
 #include <servobus/posix/pseudo_terminal.hpp>
 #include <servobus/registers/tables.hpp>
-#include <servobus/any_device.hpp>
 
 using namespace servobus;
 
@@ -125,6 +128,51 @@ errc any_pdu(plain_line& on, bytes pdu, byte_buffer response, slice<u16> words) 
     if (const status f = stepper.read_words(7, words); f.error() != errc::ok) return f.error();
     if (const status w = stepper.write_words(7, words); !w) return w.error();
     return stepper.transact(pdu, response).error();
+}
+
+namespace tank {
+struct device {
+    static constexpr profile facts{.name = "tank"};
+};
+constexpr coil<access::rw, device> valve{3};
+constexpr coil<access::rw, device> pump{4};
+constexpr discrete_input<device> is_full{0};
+constexpr input_reg<i32, device> level{0, full<i32>, no_unit, no_default};
+constexpr reg<u16, access::rw, device> options{0, full<u16>, no_unit, 0};
+} // namespace tank
+using open_line = line<wire, counters, unechoed, modbus::open_lengths>;
+
+template <class Client> errc use_tank(Client& io, int wanted) {
+    const auto seen = io.template read<tank::level, tank::valve, tank::is_full>();
+    if (!seen) return seen.error();
+    if (const auto one = io.template read<tank::pump>(); !one) return one.error();
+    if (const status w = io.template write<tank::valve>(wanted > 0); !w) return w.error();
+    if (const status w = io.template write<tank::valve, tank::pump>(true, wanted > 1); !w) return w.error();
+    if (const status w = io.template change_bits<tank::options, 3>(2); !w) return w.error();
+    return io.template write_then_read<rows<tank::options>, tank::options>(checked(wanted)).error();
+}
+errc tank_on_line(plain_line& on, int wanted) {
+    client io{on, node<tank::device>{9}};
+    return use_tank(io, wanted);
+}
+errc tank_on_blocking_line(tight_line& on, int wanted) {
+    client io{on, fixed_node<tank::device, 9>{}};
+    return use_tank(io, wanted);
+}
+errc step_tank(plain_line& on) {
+    client io{on, node<tank::device>{9}};
+    stepped_read<decltype(io), tank::level, tank::valve> read{io};
+    stepped_write<decltype(io), tank::pump> write{io};
+    if (read.begin() != errc::ok || write.begin(true) != errc::ok) return errc::busy;
+    while (!read.done() || !write.done()) (void)read.step(), (void)write.step();
+    return read.value().error();
+}
+errc identify(open_line& on, byte_buffer room, std::size_t& length) {
+    client io{on, node<tank::device>{9}};
+    const auto own = io.transact(hex("41"), room, modbus::length_rule::counted(1));
+    if (!own) return own.error();
+    const auto add = [&length](const modbus::identification_object& o) { length += o.value.size(); };
+    return read_identification(io, modbus::identification::basic, add).error();
 }
 
 errc move_drive(plain_line& on, std::uint8_t to) {

@@ -113,12 +113,16 @@ class raw_client : protected detail::node_link<Line, Device, Node> {
         const std::size_t size = modbus::close_frame<crc>(request, pdu.size());
         const bytes sent = bytes{request}.first(size);
         const byte_buffer room = byte_buffer{response}.first(response_pdu.size() + 3);
+        const u16 expected = modbus::expected_response(sent);
+        if (expected != modbus::any_length && expected != room.size()) return errc::bad_argument;
         exchange_for<false, true> x{sent, room, line_->timing(), node_.limits, node_.priority};
         if (x.response_size() != room.size()) return errc::bad_argument;
         request_machine call = request_machine::transaction();
         status why = run(x);
         if (why.was_sent() && !modbus::only_reads(pdu))
             link::invalidate(link::all()); // any register may be written
+        if (why && modbus::is_loopback(sent) && !same_bytes(room, sent))
+            why = status::sent(errc::wrong_value);
         (void)call.goes_on(why, node_, same_bytes(room, sent), line_->is_echo_ruled_out());
         if (!why) return why;
         for (std::size_t i = 0; i < response_pdu.size(); ++i) response_pdu[i] = room[i + 1];
@@ -148,9 +152,10 @@ class raw_client : protected detail::node_link<Line, Device, Node> {
         status why = run(x);
         if (why.was_sent() && !modbus::only_reads(pdu)) link::invalidate(link::all());
         const std::size_t size = length_of(x);
+        const bool is_same = same_bytes(bytes{response}.first(size), sent);
+        if (why && modbus::is_loopback(sent) && !is_same) why = status::sent(errc::wrong_value);
         request_machine call = request_machine::transaction();
-        (void)call.goes_on(why, node_, same_bytes(bytes{response}.first(size), sent),
-                           line_->is_echo_ruled_out());
+        (void)call.goes_on(why, node_, is_same, line_->is_echo_ruled_out());
         if (!why) return why;
         for (std::size_t i = 0; i < size - 3; ++i) response_pdu[i] = response[i + 1];
         return bytes{response_pdu}.first(size - 3);
@@ -260,7 +265,7 @@ class raw_client : protected detail::node_link<Line, Device, Node> {
                 exchange_for<false, true>::trusted(request, response, node_.limits, false, node_.priority));
         } else {
             exchange x = exchange::trusted(request, response, line_->timing(), node_.limits, node_.priority);
-            x.judge_like(modbus::like(request));
+            x.judge_like(modbus::like(request[1]));
             return run(x);
         }
     }

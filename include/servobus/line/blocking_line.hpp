@@ -98,7 +98,7 @@ class blocking_line : modbus::gathering<std::uint8_t, Lengths> {
                                Priority of) requires(Lengths::are_open)
             : exchange_for{request, response.first(rule.is_valid() ? length_in(response, request) : 0),
                            limits, false, of} {
-            if (response_.empty() || modbus::like(request) != modbus::like_none) return;
+            if (response_.empty() || modbus::like(request[1]) != modbus::like_none) return;
             lengths_ = Lengths{rule, request.subspan(1, request.size() - 3)};
         }
 
@@ -133,7 +133,7 @@ class blocking_line : modbus::gathering<std::uint8_t, Lengths> {
                 if (IsBroadcast) return 0;
                 length = response.size();
             }
-            if (IsBroadcast && modbus::has_count(modbus::like(request))) return 0; // it would read
+            if (IsBroadcast && modbus::has_count(modbus::like(request[1]))) return 0; // it would read
             if (IsBroadcast ? request[0] != modbus::broadcast
                             : !modbus::is_node_address(request[0]) && request[0] != modbus::peer_address)
                 return 0;
@@ -273,8 +273,8 @@ class blocking_line : modbus::gathering<std::uint8_t, Lengths> {
             if constexpr (Lengths::are_open) gathering::end_open();
             if (count_ != 0)
                 ended_.end(gathering::template judged<Crc, IsAnyFunction>(
-                    IsAnyFunction ? modbus::like({request_, size_}) : request_[1], cut, limits,
-                    count_ > length_, *this));
+                    IsAnyFunction ? modbus::like(request_[1]) : request_[1], cut, limits, count_ > length_,
+                    *this));
             if constexpr (has_gateway<Port>) {
                 if (modbus::note_gateway(ended_, IsBroadcast)) idle_ = {};
             }

@@ -76,9 +76,9 @@ class basic_exchange : gathering<std::uint16_t, Lengths> {
     }
 
     /// An exchange that sends `request`, a whole frame, and stores the response in `response`, which may be
-    /// the same memory as the request. The length of the response follows from the request for functions 01..06, 0F,
-    /// 10h, 16h, 17h and a loopback (08h with sub-function 0); for any other it is `response.size()`, at most 256. An
-    /// exception needs 5 bytes.
+    /// the same memory as the request. The length of the response follows from the request for functions 03, 04, 06 and
+    /// 10h; for any other it is `response.size()`, at most 256 (`expected_response` tells it). What the request fixes is
+    /// checked for all (`modbus::like`). An exception needs 5 bytes.
     /// Errors (immediately, in state `done`): `bad_argument` if the request is not a frame, has a function
     /// code outside 01..7Fh, is a broadcast read, goes to a reserved address or needs a larger `response`.
 #if __SIZEOF_SIZE_T__ >= 8 // inlined on hosts; small cores share one copy
@@ -92,10 +92,11 @@ class basic_exchange : gathering<std::uint16_t, Lengths> {
         if (is_sound(request)) {
             size_ = static_cast<std::uint16_t>(request.size());
             unit_ = request[0];
-            like_ = like(request);
+            like_ = like(request[1]);
             length_ = expected_length(request, response.size());
             const bool has_room = length_ <= response.size() && response.size() >= exception_frame;
-            if (length_ >= min_frame && (unit_ == broadcast || has_room)) {
+            // A broadcast has no response, so nothing can be read by one.
+            if (length_ >= min_frame && (unit_ == broadcast ? !has_count(like_) : has_room)) {
                 if (!has_room) length_ = 0; // a gateway's refusal of the broadcast has no place
                 same_ = size_;
                 phase_ = phase::ready;
@@ -306,8 +307,7 @@ class basic_exchange : gathering<std::uint16_t, Lengths> {
     static constexpr bool is_sound(bytes request) {
         if (request.size() < min_frame || request.size() > max_frame) return false;
         if (request[1] == 0 || request[1] >= exception_flag) return false;
-        if (is_node_address(request[0]) || request[0] == peer_address) return true;
-        return request[0] == broadcast && !has_count(like(request)); // which would read
+        return request[0] <= 247 || request[0] == peer_address;
     }
 
     // True in the usual case: the response arrived in one piece and its header matches. `take_bytes` would
@@ -405,8 +405,8 @@ class basic_exchange : gathering<std::uint16_t, Lengths> {
     }
 
     static constexpr std::uint16_t expected_length(bytes request, std::size_t room) {
-        const std::uint16_t length = expected_response(request);
-        if (length != any_length) return length;
+        const std::uint8_t code = request[1];
+        if (is_read(code) || is_write(code)) return expected_register_response(request);
         return static_cast<std::uint16_t>(room < max_frame ? room : max_frame);
     }
 

@@ -248,7 +248,7 @@ template <class Link> class stepped_request {
             (void)modbus::close_trusted<crc>(request, 5);
         }
         exchange_.restart({at, size}, {at, response}, link_->line().timing(), node().limits, node().priority);
-        if constexpr (What == call_of::both) exchange_.judge_like(modbus::like({at, size}));
+        if constexpr (What == call_of::both) exchange_.judge_like(modbus::like(at[1]));
     }
 
     constexpr void end(servobus::status why) {

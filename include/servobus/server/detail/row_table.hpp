@@ -29,7 +29,7 @@ struct served_row {
     u16 address;
     u16 kind; // the bits above, and the slot of its value among those of its kind
 
-    constexpr bool is(unsigned bits) const { return (kind & bits) != 0; }
+    constexpr bool is(u32 bits) const { return (kind & bits) != 0; }
     constexpr unsigned slot() const { return kind >> slot_at; }
 };
 
