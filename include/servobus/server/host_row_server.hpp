@@ -83,7 +83,9 @@ class host_row_server : request_executor<Values, Options...>,
         if (sent_ != response.size()) {
             const transfer taken = port_->send(response.subspan(sent_));
             sent_ = taken ? sent_ + *taken : response.size(); // a failed port: the client repeats
-        } else if (port_->sent()) {
+        }
+        // Without another call of `step` between, which would drop the client's next request.
+        if (sent_ == response.size() && port_->sent()) {
             sent_ = 0;
             this->sent(port_->now());
         }

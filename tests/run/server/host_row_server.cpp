@@ -125,6 +125,19 @@ TEST_CASE("G7: a request is executed where it ends, however it is cut, and its r
     CHECK(b.ask(read_selected) == framed({7, 3, 2, 0, 2}));
 }
 
+TEST_CASE("a request that comes immediately after the response is executed, as on a pseudo-terminal") {
+    bench b;
+    for (int i = 0; i < 3; ++i) {
+        b.receive(read_selected);
+        while (b.port.sent_bytes.empty()) b.step(100);
+        b.port.arrived.insert(b.port.arrived.end(), write_selected.begin(), write_selected.end());
+        CHECK(b.response() == is_selected);
+        b.t3_5();
+        CHECK(b.response() == write_selected);
+        CHECK(b.ask(framed({7, 6, 0, 0x10, 0, 1})) == framed({7, 6, 0, 0x10, 0, 1}));
+    }
+}
+
 TEST_CASE("each function of the rows, and those with a length of their own") {
     bench b;
     CHECK(b.ask(framed({7, 1, 0, 0, 0, 4})) == framed({7, 1, 1, 5}));
