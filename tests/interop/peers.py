@@ -41,6 +41,21 @@ def ran(program, *arguments):
         report("FAILED", f"{program.name} ended with {done.returncode}")
 
 
+def begin_line():
+    """Two serial devices that are connected."""
+    ends = folder / "near", folder / "far"
+    line = begin("socat", *(f"pty,raw,echo=0,link={end}" for end in ends))
+    until(lambda: all(end.exists() for end in ends), line, "the line")
+    return ends
+
+
+def holds_what_was_written(server, client):
+    """The lines of the registers and coils that were written, each and no other."""
+    written, held = (set(text_of(notes).split("\n")) - {""} for notes in (client, server))
+    expect(written, "nothing was written")
+    expect_same(sorted(written), sorted(held))
+
+
 def begin_drive(tool, device, link):
     """A simulated drive at a pseudo-terminal."""
     drive = begin(tool, "sim", device, "--link", link)
