@@ -39,7 +39,7 @@ check(headers.no_table_unasked.clang LABELS compile
       COMMAND clang++ -std=c++20 -Iinclude -fsyntax-only -fconstexpr-steps=1000 -x c++ include/servobus/servobus.hpp)
 
 # Peers, in real time. docs.readme_commands runs the main job.
-foreach(peer libmodbus tshark mbpoll modbus_tcp late_network addresses)
+foreach(peer libmodbus with_pymodbus with_modbus_serial tshark mbpoll modbus_tcp late_network addresses)
   check(peers.${peer} LABELS peers REAL_TIME COST 10 COMMAND ${python} tests/interop/${peer}.py ${tool})
   set_tests_properties(peers.${peer} PROPERTIES SKIP_RETURN_CODE 77) # it cannot be installed
 endforeach()

@@ -14,10 +14,10 @@ folder = work()
 CXX = os.environ.get("CXX", "g++").split()
 
 
-def need_peer(there, package):
+def need_peer(there, *packages):
     """Ends the test as skipped if a peer cannot be installed."""
-    if not has(there, package):
-        skip(f"{package} cannot be installed")
+    if not has(there, *packages):
+        skip(f"{' '.join(packages)} cannot be installed")
 
 
 def has_libmodbus():
@@ -34,11 +34,16 @@ def build(name, *libraries):
 
 
 def ran(program, *arguments):
-    """Runs a program that prints its checks. One that crashed has not reported a failed check."""
-    done = run(program, *arguments)
-    of_program(program.name, done.stdout)
+    """Runs a program that prints its checks."""
+    ran_by(program.name, program, *arguments)
+
+
+def ran_by(name, *command):
+    """The same for a command. One that crashed has not reported a failed check."""
+    done = run(*command)
+    of_program(name, done.stdout)
     if done.returncode != 0 and "\nFAILED " not in "\n" + done.stdout:
-        report("FAILED", f"{program.name} ended with {done.returncode}")
+        report("FAILED", f"{name} ended with {done.returncode}")
 
 
 def begin_line():
