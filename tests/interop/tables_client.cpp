@@ -109,7 +109,9 @@ class session {
             seen += std::to_string(o.id) + "=" + printable(o.value) + ";";
         };
         const status basic = read_identification(io_, modbus::identification::basic, take);
-        check(basic && seen == "0=Interop works;1=T-17;2=1.0;", name("2Bh/0Eh, basic: " + seen, basic));
+        // Some servers return all that they have.
+        check(basic && seen.rfind("0=Interop works;1=T-17;2=1.0;", 0) == 0,
+              name("2Bh/0Eh, basic: " + seen, basic));
         seen.clear();
         const status regular = read_identification(io_, modbus::identification::regular, take);
         check(regular && seen.find("4=Four tables;") != seen.npos,

@@ -202,6 +202,8 @@ inline constexpr bool belongs_to = std::is_same_v<Owner, Device> || std::is_base
 
 namespace detail {
 template <class Row> inline constexpr table table_of_row = table::holding_registers;
+template <class Row, std::size_t N>
+inline constexpr table table_of_row<reg_array<Row, N>> = table_of_row<Row>;
 template <const auto& R>
 concept is_in_other_table = table_of_row<std::remove_cvref_t<decltype(R)>>
 != table::holding_registers;

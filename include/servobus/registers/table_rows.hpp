@@ -52,8 +52,6 @@ template <class T, class D> struct is_row<input_reg<T, D>> : std::true_type {};
 template <class T, class D> inline constexpr table table_of_row<input_reg<T, D>> = table::input_registers;
 template <access A, class D> inline constexpr table table_of_row<coil<A, D>> = table::coils;
 template <class D> inline constexpr table table_of_row<discrete_input<D>> = table::discrete_inputs;
-template <class Row, std::size_t N>
-inline constexpr table table_of_row<reg_array<Row, N>> = table_of_row<Row>;
 
 template <const auto& R>
 requires is_bit<R>

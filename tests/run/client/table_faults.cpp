@@ -153,10 +153,10 @@ static_assert(most.longest_response == 255 && most.bytes == 251 && most.requests
 } // namespace parts
 } // namespace
 
-#define ON_EACH_LINE any_line, small_line
+#define FAULTS_ON_EACH_LINE any_line, small_line
 
 TEST_CASE_TEMPLATE("G3: an echo that is as long as the response to a read of bits is no value", Kind,
-                   ON_EACH_LINE) {
+                   FAULTS_ON_EACH_LINE) {
     setup<Kind> r;
     r.echoes();
     const auto all = read_bits(r.drive, std::make_index_sequence<24>{});
@@ -204,7 +204,7 @@ TEST_CASE("a bus has each bit of a read of several bytes, and judges the padding
 }
 
 TEST_CASE_TEMPLATE("G2: a response to 05 or 0F has the address and the value or quantity of its request",
-                   Kind, ON_EACH_LINE) {
+                   Kind, FAULTS_ON_EACH_LINE) {
     setup<Kind> r;
     CHECK(r.drive.template read<input>());
     const auto answer = [&](const byte_list& body) {
@@ -222,7 +222,7 @@ TEST_CASE_TEMPLATE("G2: a response to 05 or 0F has the address and the value or 
     CHECK(r.drive.template write<coil_18, coil_19>(true, true).error() == errc::wrong_function);
 }
 
-TEST_CASE_TEMPLATE("a read that fails leaves nothing of its response", Kind, ON_EACH_LINE) {
+TEST_CASE_TEMPLATE("a read that fails leaves nothing of its response", Kind, FAULTS_ON_EACH_LINE) {
     setup<Kind> r;
     r.port.device = [](scripted_port& p, const sent_frame&) { p.say(500, framed({1, 1, 1, 0xFF})); };
     const auto bad = r.drive.template read<coil_18, coil_19>();
@@ -238,7 +238,7 @@ TEST_CASE_TEMPLATE("a read that fails leaves nothing of its response", Kind, ON_
 }
 
 TEST_CASE_TEMPLATE("G3: an echo that is as long as the response of function 17h is none", Kind,
-                   ON_EACH_LINE) {
+                   FAULTS_ON_EACH_LINE) {
     setup<Kind> r;
     r.echoes();
     const auto seen = r.drive.template write_then_read<five, light>(raw(7));
@@ -259,7 +259,7 @@ TEST_CASE("G3: the same for a stepped call of function 17h") {
 }
 
 TEST_CASE_TEMPLATE("G18, G22: a coil with the number of a setting's register is not that setting", Kind,
-                   ON_EACH_LINE) {
+                   FAULTS_ON_EACH_LINE) {
     setup<Kind> r;
     REQUIRE(r.drive.learn_word_order());
     const auto token = r.drive.ram_only();
@@ -274,7 +274,7 @@ TEST_CASE_TEMPLATE("G18, G22: a coil with the number of a setting's register is 
 
 TEST_CASE_TEMPLATE(
     "G18, G22: a write of coils or bits, or a 17h, without a response makes stale what was learned", Kind,
-    ON_EACH_LINE) {
+    FAULTS_ON_EACH_LINE) {
     for (int call = 0; call < 5; ++call) {
         CAPTURE(call);
         setup<Kind> r;
@@ -299,7 +299,7 @@ TEST_CASE_TEMPLATE(
 }
 
 TEST_CASE_TEMPLATE("G22: a word order that changes between the parts of a read leaves no value", Kind,
-                   ON_EACH_LINE) {
+                   FAULTS_ON_EACH_LINE) {
     setup<Kind> r;
     REQUIRE(r.drive.learn_word_order());
     int lost = 0;
@@ -389,7 +389,7 @@ TEST_CASE("G22: the same for a stepped read; and a 17h that waits while the word
 }
 
 TEST_CASE_TEMPLATE("G22: function 17h writes and reads in the word order that was learned", Kind,
-                   ON_EACH_LINE) {
+                   FAULTS_ON_EACH_LINE) {
     setup<Kind> r;
     r.tables.holding_registers[0x19] = 1; // low first
     CHECK(r.drive.template write_then_read<rows<place>, place>(raw(0x1'0002)).error() ==
@@ -413,7 +413,8 @@ TEST_CASE("G22: the same stepped") {
     CHECK((r.tables.holding_registers[0x301] == 2 && r.tables.holding_registers[0x302] == 1));
 }
 
-TEST_CASE_TEMPLATE("a coil that the device keeps at each write is stored by name", Kind, ON_EACH_LINE) {
+TEST_CASE_TEMPLATE("a coil that the device keeps at each write is stored by name", Kind,
+                   FAULTS_ON_EACH_LINE) {
     setup<Kind> r;
     CHECK(r.drive.template read<input>());
     CHECK(r.drive.template store<kept_1>(true));
@@ -435,7 +436,7 @@ TEST_CASE("the same stepped") {
     CHECK((!r.tables.coils[0x18] && r.tables.coils[0x19]));
 }
 
-TEST_CASE_TEMPLATE("each call for rows of all tables has a free twin", Kind, ON_EACH_LINE) {
+TEST_CASE_TEMPLATE("each call for rows of all tables has a free twin", Kind, FAULTS_ON_EACH_LINE) {
     setup<Kind> r;
     auto& io = r.drive;
     CHECK(*read<input>(io));

@@ -192,10 +192,10 @@ template <class W, class Call, class Judge> void judge_stepped(W& w, Call& call,
 }
 } // namespace
 
-#define ON_EACH_LINE any_line, small_line
+#define WORLDS_ON_EACH_LINE any_line, small_line
 
 TEST_CASE_TEMPLATE("G2, G16, G32: random faults make no wrong value and no second write, on any table", Kind,
-                   ON_EACH_LINE) {
+                   WORLDS_ON_EACH_LINE) {
     for (std::uint64_t seed = 1; seed <= 60; ++seed) {
         CAPTURE(seed);
         world<Kind> w{seed};
