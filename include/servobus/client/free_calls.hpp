@@ -76,17 +76,6 @@ constexpr status store_if_different(client<Line, Device, Node>& c, register_valu
     return c.template store_if_different<R>(value);
 }
 
-/// `c.change_bits<R, Mask>(value)`
-template <const auto& R, u16 Mask, class Line, class Device, class Node>
-constexpr status change_bits(client<Line, Device, Node>& c, u16 value) {
-    return c.template change_bits<R, Mask>(value);
-}
-/// `c.write_then_read<Reads, Ws...>(values...)`
-template <class Reads, const auto&... Ws, class Line, class Device, class Node>
-constexpr auto write_then_read(client<Line, Device, Node>& c, register_value<Ws>... values) {
-    return c.template write_then_read<Reads, Ws...>(values...);
-}
-
 /// `c.broadcast<R>(value)`
 template <const auto& R, class Line, class Device, class Node>
 constexpr status broadcast(client<Line, Device, Node>& c, register_value<R> value) {

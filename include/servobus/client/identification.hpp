@@ -13,9 +13,9 @@
 #include <cstddef>
 #include <cstdint>
 
+#include <servobus/client/open_responses.hpp>
 #include <servobus/client/raw_client.hpp>
 #include <servobus/modbus/identification.hpp>
-#include <servobus/modbus/response_lengths.hpp>
 
 namespace servobus {
 

@@ -25,11 +25,19 @@
 
 namespace servobus {
 
+namespace detail {
+template <class Client> struct open_responses {
+    static_assert(sizeof(Client) == 0,
+                  "for responses as long as a rule says include servobus/client/open_responses.hpp");
+};
+} // namespace detail
+
 /// A `client` without its device's rows. Every call returns within `line::bound` for each request that it
 /// makes; reads are retried, writes never.
 template <class Line, device_class Device, class Node>
 class raw_client : protected detail::node_link<Line, Device, Node> {
     using link = detail::node_link<Line, Device, Node>;
+    friend struct detail::open_responses<raw_client>;
     static_assert(!is_fixed<Node> || Line::is_small,
                   "a fixed_node is for a blocking_line; on a line the figures of a node can be changed");
     static_assert(Device::facts.max_read <= modbus::max_read && Device::facts.max_write <= modbus::max_write,
@@ -129,36 +137,13 @@ class raw_client : protected detail::node_link<Line, Device, Node> {
         return why;
     }
 
-    /// Sends any PDU, whose response is as long as `rule` says (modbus/response_lengths.hpp) where the function does not.
+    /// Sends any PDU, whose response is as long as `rule` says (client/open_responses.hpp) where the function does not.
     /// Never retried. Returns the response's PDU, which lies in `response_pdu`.
     /// Errors: as of the other `transact`; `too_long` if `response_pdu` has too little room; `bad_argument` for a rule that
     /// is none.
     template <class Rule>
     constexpr result<bytes> transact(bytes pdu, byte_buffer response_pdu, const Rule& rule) {
-        static_assert(Line::lengths::are_open,
-                      "this line has responses of known lengths only: make it with modbus::open_lengths");
-        constexpr std::size_t longest_pdu = Line::longest_frame - 3;
-        if (!node_.is_valid() || pdu.empty() || pdu.size() > longest_pdu || response_pdu.size() < 2)
-            return errc::bad_argument;
-        std::uint8_t request[modbus::max_frame]{};
-        std::uint8_t response[modbus::max_frame]{};
-        request[0] = node_.address;
-        for (std::size_t i = 0; i < pdu.size(); ++i) request[i + 1] = pdu[i];
-        const bytes sent = bytes{request}.first(modbus::close_frame<crc>(request, pdu.size()));
-        const std::size_t most = response_pdu.size() < longest_pdu ? response_pdu.size() : longest_pdu;
-        exchange_for<false, true> x{
-            sent, byte_buffer{response}.first(most + 3), rule, line_->timing(), node_.limits, node_.priority};
-        if (x.response_size() == 0) return errc::bad_argument;
-        status why = run(x);
-        if (why.was_sent() && !modbus::only_reads(pdu)) link::invalidate(link::all());
-        const std::size_t size = length_of(x);
-        const bool is_same = same_bytes(bytes{response}.first(size), sent);
-        if (why && modbus::is_loopback(sent) && !is_same) why = status::sent(errc::wrong_value);
-        request_machine call = request_machine::transaction();
-        (void)call.goes_on(why, node_, is_same, line_->is_echo_ruled_out());
-        if (!why) return why;
-        for (std::size_t i = 0; i < size - 3; ++i) response_pdu[i] = response[i + 1];
-        return bytes{response_pdu}.first(size - 3);
+        return detail::open_responses<raw_client>::transact(*this, pdu, response_pdu, rule);
     }
 
   protected:
@@ -212,12 +197,6 @@ class raw_client : protected detail::node_link<Line, Device, Node> {
     constexpr servobus::ram_only new_token() { return {node_.address, line_->epoch(node_.address)}; }
 
   private:
-    template <class X> constexpr std::size_t length_of(const X& x) const {
-        if constexpr (Line::is_small)
-            return line_->response_size();
-        else
-            return x.response_size();
-    }
     template <std::size_t N>
     constexpr status read_array(u16 address, slice<u16> words, modbus::function code) {
         std::uint8_t frame[5 + 2 * N];

@@ -12,3 +12,20 @@
 #include <servobus/client/client.hpp>
 #include <servobus/client/detail/table_calls.hpp>
 #include <servobus/client/stepped_tables.hpp>
+
+namespace servobus {
+
+// For generic code, as those of client/free_calls.hpp.
+
+/// `c.change_bits<R, Mask>(value)`
+template <const auto& R, u16 Mask, class Line, class Device, class Node>
+constexpr status change_bits(client<Line, Device, Node>& c, u16 value) {
+    return c.template change_bits<R, Mask>(value);
+}
+/// `c.write_then_read<Reads, Ws...>(values...)`
+template <class Reads, const auto&... Ws, class Line, class Device, class Node>
+constexpr auto write_then_read(client<Line, Device, Node>& c, register_value<Ws>... values) {
+    return c.template write_then_read<Reads, Ws...>(values...);
+}
+
+} // namespace servobus

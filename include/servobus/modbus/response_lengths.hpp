@@ -5,10 +5,8 @@
 // programs have only responses of known lengths, and pay nothing. The lines include it.
 //
 //     line<my_uart, counters, unechoed, modbus::open_lengths> wire{uart, modbus::timing_at(19200)};
-//     client io{wire, node<tank::device>{9}};
-//     std::uint8_t room[64]{};
-//     const auto who = io.transact(hex("11"), room, modbus::length_rule::of_function());
-//     const auto own = io.transact(hex("41 07"), room, modbus::length_rule::counted(2)); // the third byte counts the rest
+//     constexpr auto by_third_byte = modbus::length_rule::counted(2); // it counts the rest
+//     static_assert(by_third_byte.is_valid() && !modbus::length_rule::fixed(1).is_valid());
 #pragma once
 
 #include <servobus/core/cxx20.hpp>

@@ -5,7 +5,7 @@
 // include it.
 //
 //     constexpr auto request = hex("11 01 00 13 00 25 0E 84"); // reads 37 coils
-//     static_assert(modbus::expected_response(request) == 10 && modbus::has_count(modbus::like(request[1])));
+//     static_assert(modbus::expected_response(request) == 10 && modbus::has_count(modbus::like(0x01)));
 //
 // Source: Modbus Application Protocol V1.1b3, section 6.
 #pragma once

@@ -10,8 +10,8 @@
 #include <cstdint>
 #include <map>
 
+#include <servobus/client/open_responses.hpp>
 #include <servobus/line/blocking_line.hpp>
-#include <servobus/modbus/response_lengths.hpp>
 #include <servobus/servobus.hpp>
 
 #include <tests/support/client_rig.hpp>
