@@ -16,7 +16,7 @@
 
 #include "program.hpp"
 #include "served.hpp"
-#include "tank.hpp"
+#include "basin.hpp"
 
 namespace c630s = servobus::c630s;
 using namespace servobus::c630s::literals;
@@ -172,7 +172,7 @@ inline constexpr poll_plan plan_16{modbus::timing_at(115200),
 inline constexpr poll_plan plan_15{modbus::timing_at(115200), controlled(node<zlac::device>{1}, unsupervised),
     own_requests(node<zlac::device>{8}, milliseconds(1'700'000), 2)};
 inline constexpr poll_plan plan_17{modbus::timing_at(115200),
-    cyclic<tank::valve, tank::pump>(node<tank::device>{9}, milliseconds(50))};
+    cyclic<basin::valve, basin::pump>(node<basin::device>{9}, milliseconds(50))};
 // clang-format on
 
 struct model : zlac::model {
@@ -251,27 +251,27 @@ int main() {
     servobus::stepped_write<decltype(servo), c630s::target_speed> target{servo};
     (void)target.begin(300, *servo.ram_only());
     (void)servo.write<c630s::position_segment_speeds>(2, 300, *servo.ram_only());
-    some_tank io;
-    (void)io.write<tank::valve>(true);
-    (void)io.write<tank::valve, tank::pump>(true, false);
-    (void)io.write<tank::pump>(true);
-    (void)io.read<tank::is_full>();
-    (void)io.read<tank::level>();
-    (void)io.read<tank::lamp>();
-    (void)io.change_bits<tank::options, 0x0003>(1);
-    (void)io.write_then_read<servobus::rows<tank::options>, tank::ramp>(5);
-    (void)io.write<tank::depth>(5);
-    (void)io.store<tank::kept>(1);
-    (void)io.write<tank::wide>(5u);
-    (void)io.store<tank::night_light>(true);
+    some_basin io;
+    (void)io.write<basin::valve>(true);
+    (void)io.write<basin::valve, basin::pump>(true, false);
+    (void)io.write<basin::pump>(true);
+    (void)io.read<basin::is_full>();
+    (void)io.read<basin::level>();
+    (void)io.read<basin::lamp>();
+    (void)io.change_bits<basin::options, 0x0003>(1);
+    (void)io.write_then_read<servobus::rows<basin::options>, basin::ramp>(5);
+    (void)io.write<basin::depth>(5);
+    (void)io.store<basin::kept>(1);
+    (void)io.write<basin::wide>(5u);
+    (void)io.store<basin::night_light>(true);
     bool is_open = true;
-    (void)io.write<tank::valve>(is_open);
-    servobus::stepped_read_words<some_tank, 2> sensor{io};
-    servobus::stepped_change_bits<some_tank, tank::options, 0x0003> bits{io};
+    (void)io.write<basin::valve>(is_open);
+    servobus::stepped_read_words<some_basin, 2> sensor{io};
+    servobus::stepped_change_bits<some_basin, basin::options, 0x0003> bits{io};
     (void)bits.begin(1);
-    servobus::stepped_store<some_tank, tank::night_light> light{io};
+    servobus::stepped_store<some_basin, basin::night_light> light{io};
     (void)light.begin(true);
-    servobus::stepped_write_then_read<some_tank, servobus::rows<tank::options>, tank::ramp> both{io};
+    servobus::stepped_write_then_read<some_basin, servobus::rows<basin::options>, basin::ramp> both{io};
     (void)both.begin(5);
     (void)servobus::ring<4>{};
     constexpr std::uint16_t address = "P0B-07"_p;

@@ -3,11 +3,11 @@
 //
 // A checked value for a coil, which has no range.
 // EXPECT: a coil is written as true or false
-// MEND: (void)io.write<tank::valve>(is_open);
-#include "tank.hpp"
+// MEND: (void)io.write<basin::valve>(is_open);
+#include "basin.hpp"
 
 int main() {
-    some_tank io;
-    const bool is_open = bool(io.read<tank::pump>());
-    (void)io.write<tank::valve>(servobus::checked(is_open)); // wrong
+    some_basin io;
+    const bool is_open = bool(io.read<basin::pump>());
+    (void)io.write<basin::valve>(servobus::checked(is_open)); // wrong
 }

@@ -3,10 +3,10 @@
 //
 // A number for a coil.
 // EXPECT: a coil is written as true or false
-// MEND: (void)io.write<tank::valve>(true);
-#include "tank.hpp"
+// MEND: (void)io.write<basin::valve>(true);
+#include "basin.hpp"
 
 int main() {
-    some_tank io;
-    (void)io.write<tank::valve>(1); // wrong
+    some_basin io;
+    (void)io.write<basin::valve>(1); // wrong
 }

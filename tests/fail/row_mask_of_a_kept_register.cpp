@@ -3,10 +3,10 @@
 //
 // A change of bits of a register that the device keeps in its EEPROM.
 // EXPECT: every write of this register wears the drive's EEPROM
-// MEND: (void)io.store<tank::kept>(1);
-#include "tank.hpp"
+// MEND: (void)io.store<basin::kept>(1);
+#include "basin.hpp"
 
 int main() {
-    some_tank io;
-    (void)io.change_bits<tank::kept, 0x0003>(1); // wrong
+    some_basin io;
+    (void)io.change_bits<basin::kept, 0x0003>(1); // wrong
 }

@@ -3,10 +3,10 @@
 //
 // Function 17h on input registers.
 // EXPECT: function 17h is for holding registers
-// MEND: (void)io.write_then_read<servobus::rows<tank::options>, tank::ramp>(5);
-#include "tank.hpp"
+// MEND: (void)io.write_then_read<servobus::rows<basin::options>, basin::ramp>(5);
+#include "basin.hpp"
 
 int main() {
-    some_tank io;
-    (void)io.write_then_read<servobus::rows<tank::level>, tank::ramp>(5); // wrong
+    some_basin io;
+    (void)io.write_then_read<servobus::rows<basin::level>, basin::ramp>(5); // wrong
 }

@@ -3,10 +3,10 @@
 //
 // Function 17h on a register whose second word is the switch of the EEPROM.
 // EXPECT: a setting of the line, of the word order or of the memory is written by write()
-// MEND: (void)io.write<tank::wide>(5u);
-#include "tank.hpp"
+// MEND: (void)io.write<basin::wide>(5u);
+#include "basin.hpp"
 
 int main() {
-    some_tank io;
-    (void)io.write_then_read<servobus::rows<tank::options>, tank::wide>(5u); // wrong
+    some_basin io;
+    (void)io.write_then_read<servobus::rows<basin::options>, basin::wide>(5u); // wrong
 }

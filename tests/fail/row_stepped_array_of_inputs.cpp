@@ -3,10 +3,10 @@
 //
 // A stepped read of an array of input registers.
 // EXPECT: an array of input registers is read by stepped_read_words
-// MEND: servobus::stepped_read_words<some_tank, 2> sensor{io};
-#include "tank.hpp"
+// MEND: servobus::stepped_read_words<some_basin, 2> sensor{io};
+#include "basin.hpp"
 
 int main() {
-    some_tank io;
-    servobus::stepped_read<some_tank, tank::sensors> sensor{io}; // wrong
+    some_basin io;
+    servobus::stepped_read<some_basin, basin::sensors> sensor{io}; // wrong
 }

@@ -3,8 +3,8 @@
 //
 // A stepped function 17h that reads a register of another device.
 // EXPECT: this register belongs to another device
-// MEND: servobus::stepped_write_then_read<some_tank, servobus::rows<tank::options>, tank::ramp> both{io};
-#include "tank.hpp"
+// MEND: servobus::stepped_write_then_read<some_basin, servobus::rows<basin::options>, basin::ramp> both{io};
+#include "basin.hpp"
 
 namespace other {
 struct device {
@@ -15,7 +15,7 @@ inline constexpr servobus::reg<servobus::u16, servobus::access::ro, device> leve
 } // namespace other
 
 int main() {
-    some_tank io;
-    servobus::stepped_write_then_read<some_tank, servobus::rows<other::level>, tank::ramp> both{io};
+    some_basin io;
+    servobus::stepped_write_then_read<some_basin, servobus::rows<other::level>, basin::ramp> both{io};
     (void)both.begin(5); // wrong
 }

@@ -3,11 +3,11 @@
 //
 // A stepped write of a coil that the device keeps in its EEPROM.
 // EXPECT: every write of this coil wears the device's EEPROM: store() it
-// MEND: servobus::stepped_store<some_tank, tank::night_light> light{io};
-#include "tank.hpp"
+// MEND: servobus::stepped_store<some_basin, basin::night_light> light{io};
+#include "basin.hpp"
 
 int main() {
-    some_tank io;
-    servobus::stepped_write<some_tank, tank::night_light> light{io};
+    some_basin io;
+    servobus::stepped_write<some_basin, basin::night_light> light{io};
     (void)light.begin(true); // wrong
 }

@@ -3,10 +3,10 @@
 //
 // A write of a coil that the device keeps in its EEPROM.
 // EXPECT: every write of this coil wears the device's EEPROM: store() it
-// MEND: (void)io.store<tank::night_light>(true);
-#include "tank.hpp"
+// MEND: (void)io.store<basin::night_light>(true);
+#include "basin.hpp"
 
 int main() {
-    some_tank io;
-    (void)io.write<tank::night_light>(true); // wrong
+    some_basin io;
+    (void)io.write<basin::night_light>(true); // wrong
 }

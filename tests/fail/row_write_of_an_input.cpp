@@ -3,10 +3,10 @@
 //
 // A write of a discrete input.
 // EXPECT: this bit is read-only
-// MEND: (void)io.read<tank::is_full>();
-#include "tank.hpp"
+// MEND: (void)io.read<basin::is_full>();
+#include "basin.hpp"
 
 int main() {
-    some_tank io;
-    (void)io.write<tank::is_full>(true); // wrong
+    some_basin io;
+    (void)io.write<basin::is_full>(true); // wrong
 }

@@ -3,10 +3,10 @@
 //
 // A write of an input register.
 // EXPECT: this register is read-only
-// MEND: (void)io.read<tank::level>();
-#include "tank.hpp"
+// MEND: (void)io.read<basin::level>();
+#include "basin.hpp"
 
 int main() {
-    some_tank io;
-    (void)io.write<tank::level>(3); // wrong
+    some_basin io;
+    (void)io.write<basin::level>(3); // wrong
 }

@@ -3,10 +3,10 @@
 //
 // A coil and a register in one write.
 // EXPECT: a write has rows of one table
-// MEND: (void)io.write<tank::valve, tank::pump>(true, false);
-#include "tank.hpp"
+// MEND: (void)io.write<basin::valve, basin::pump>(true, false);
+#include "basin.hpp"
 
 int main() {
-    some_tank io;
-    (void)io.write<tank::valve, tank::ramp>(true, 5); // wrong
+    some_basin io;
+    (void)io.write<basin::valve, basin::ramp>(true, 5); // wrong
 }

@@ -28,8 +28,8 @@ def check_read(pages):
     parts = re.split(r'<h2 class="memtitle">', page)
     of_read = [part for part in parts[1:] if re.search(r"</span>read\(\)", part.split("</h2>")[0])]
     problems = []
-    if len(of_read) != 3:
-        problems.append(f"client::read is there {len(of_read)} times, not 3")
+    if len(of_read) != 4:
+        problems.append(f"client::read is there {len(of_read)} times, not 4")
     first = next((part for part in of_read if "<em>index</em>" not in part and "Rs" not in part), "")
     if summary not in text_of(parts[0]):
         problems.append("the list of members does not have the summary of client::read")

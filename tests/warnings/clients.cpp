@@ -159,14 +159,6 @@ errc tank_on_blocking_line(tight_line& on, int wanted) {
     client io{on, fixed_node<tank::device, 9>{}};
     return use_tank(io, wanted);
 }
-errc step_tank(plain_line& on) {
-    client io{on, node<tank::device>{9}};
-    stepped_read<decltype(io), tank::level, tank::valve> read{io};
-    stepped_write<decltype(io), tank::pump> write{io};
-    if (read.begin() != errc::ok || write.begin(true) != errc::ok) return errc::busy;
-    while (!read.done() || !write.done()) (void)read.step(), (void)write.step();
-    return read.value().error();
-}
 errc identify(open_line& on, byte_buffer room, std::size_t& length) {
     client io{on, node<tank::device>{9}};
     const auto own = io.transact(hex("41"), room, modbus::length_rule::counted(1));

@@ -65,6 +65,7 @@ requires(sizeof...(Rs) > 1 && (detail::is_in_other_table<Rs> || ...)) class step
     static constexpr const auto& plan = values::plan;
 
   public:
+    // cppcheck-suppress uninitMemberVar ; a request fills it, and a small core has no memset
     constexpr explicit stepped_read(Client& of) : base{base::link_of(of)} {}
 
     constexpr errc begin() { ///< as of a register
@@ -141,6 +142,7 @@ requires(sizeof...(Rs) > 1 && (is_bit<Rs> || ...)) class stepped_put<Client, Wea
     using plan = coils_plan<typename Client::device, Rs...>;
 
   public:
+    // cppcheck-suppress uninitMemberVar ; a request fills it, and a small core has no memset
     constexpr explicit stepped_put(Client& of) : base{base::link_of(of)} {}
 
     /// Begins to write adjacent coils in one frame: all or nothing. Errors: as of one coil.
@@ -165,6 +167,7 @@ class stepped_change_bits : public detail::stepped_table_request<typename Client
     using base = detail::stepped_table_request<typename Client::link_type>;
 
   public:
+    // cppcheck-suppress uninitMemberVar ; a request fills it, and a small core has no memset
     constexpr explicit stepped_change_bits(Client& of) : base{base::link_of(of)} {}
 
     /// Begins to set the bits of `Mask` to those of `value`. Errors: `busy`, `bad_argument`.
@@ -188,6 +191,7 @@ class stepped_write_then_read : public detail::stepped_table_request<typename Cl
     using result_type = result<typename plan::values>;
 
   public:
+    // cppcheck-suppress uninitMemberVar ; a request fills it, and a small core has no memset
     constexpr explicit stepped_write_then_read(Client& of) : base{base::link_of(of)} {}
 
     /// Begins to write the registers `Ws`, and to read those of `Reads` after that. Errors: as of a write.

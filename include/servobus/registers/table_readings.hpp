@@ -138,7 +138,9 @@ requires(detail::is_in_other_table<Rs> || ...) class readings<Rs...> {
     static constexpr bool is_one_frame = plan.count == 1; ///< all values are of the same moment
     static constexpr bool has_pairs = (detail::is_pair<Rs>() || ...);
 
+    // cppcheck-suppress uninitMemberVar ; `clear` does it
     constexpr readings() { clear(); }
+    // cppcheck-suppress uninitMemberVar ; `clear` does it
     constexpr explicit readings(word_order order) {
         set_word_order(order);
         clear();

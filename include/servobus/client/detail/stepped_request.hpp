@@ -70,6 +70,7 @@ template <class Link> class stepped_request {
     }
 
     [[gnu::noinline]] constexpr explicit stepped_request(Link& of) : link_{&of} {}
+    // cppcheck-suppress returnTempReference ; it is the client itself
     template <class Client> static constexpr Link& link_of(Client& of) { return of.link_for(stepped_key{}); }
 
     /// Errors: `busy` while a call is under way, which goes on; `bad_argument`.

@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <cstdint>
 
+#include <servobus/client/detail/row_rules.hpp>
 #include <servobus/client/detail/stepped_request.hpp>
 #include <servobus/modbus/bits.hpp>
 #include <servobus/registers/tables.hpp>

@@ -8,9 +8,9 @@
 
 #include "program.hpp"
 
-namespace tank {
+namespace basin {
 struct device {
-    static constexpr servobus::profile facts{.name = "tank", .eeprom_switch = 0x0021};
+    static constexpr servobus::profile facts{.name = "basin", .eeprom_switch = 0x0021};
 };
 using servobus::access, servobus::full, servobus::no_unit, servobus::u16;
 inline constexpr servobus::coil<access::rw, device> valve{0x0003};
@@ -27,10 +27,10 @@ inline constexpr servobus::reg<servobus::i16, access::rw, device> depth{0x0005, 
 inline constexpr servobus::reg<servobus::u32, access::rw, device> wide{0x0020, full<servobus::u32>, no_unit,
                                                                        0};
 inline constexpr servobus::reg_array<servobus::input_reg<u16, device>, 4> sensors{level, 1};
-} // namespace tank
+} // namespace basin
 
-struct some_tank : servobus::client<servobus::line<some_port>, tank::device> {
-    some_tank() : client{wire, servobus::node<tank::device>{1}} {}
+struct some_basin : servobus::client<servobus::line<some_port>, basin::device> {
+    some_basin() : client{wire, servobus::node<basin::device>{1}} {}
 
   private:
     some_port port;
