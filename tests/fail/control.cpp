@@ -14,9 +14,9 @@
 #include <servobus/registers/catalogue.hpp>
 #include <servobus/server/host_row_server.hpp>
 
+#include "basin.hpp"
 #include "program.hpp"
 #include "served.hpp"
-#include "basin.hpp"
 
 namespace c630s = servobus::c630s;
 using namespace servobus::c630s::literals;
