@@ -71,7 +71,7 @@ std::string quoted(servobus::bytes text) {
     }
     return all + "\"";
 }
-// What a device says of itself, by function 2Bh or 11h.
+// Asks a device what it is, by function 2Bh, then by 11h.
 std::string identification_of(scanned_line& on, std::uint8_t node_address,
                               const servobus::response_limits& limits) {
     namespace modbus = servobus::modbus;

@@ -93,7 +93,7 @@ class client : public raw_client<Line, Device, Node> {
     }
 
     /// Reads one coil or discrete input, function 01 or 02. Errors: as of a register; `unexpected_value` if a bit
-    /// behind the one is set.
+    /// after it is set.
     template <const auto& R>
     requires is_bit<R>
     constexpr result<bool> read() { return other::template read_bit<R>(*this); }
@@ -162,7 +162,7 @@ class client : public raw_client<Line, Device, Node> {
     }
 
     /// Sets the bits of `Mask` in one register to those of `value`, function 16h; the device keeps the others. Never
-    /// repeated. For registers without a range: nobody knows what the change makes of the others.
+    /// repeated. For registers without a range: the client does not know what the change makes of the other bits.
     template <const auto& R, u16 Mask>
     requires is_register<R>
     constexpr status change_bits(u16 value) { return other::template change_bits<R, Mask>(*this, value); }

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// What a client does with rows of all four tables, and with functions 16h and 17h. any_device.hpp includes it.
+// A client reads and writes rows of all four tables, and calls functions 16h and 17h. any_device.hpp includes it.
 //
 //     const auto now = io.read<tank::level, tank::temperature, tank::valve>(); // io: a client of a tank
 //     if (now && now->get<tank::level>() > 900 && !io.write<tank::valve>(true)) return 1;

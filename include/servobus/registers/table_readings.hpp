@@ -168,8 +168,8 @@ requires(detail::is_in_other_table<Rs> || ...) class readings<Rs...> {
         }
     }
 
-    /// Takes the data of request number `i`, as many as it has. False for bits behind the last one that are not 0, which
-    /// the standard demands.
+    /// Takes the data of request number `i`, as many as it has. False if a bit after the last one is not 0, as the
+    /// standard demands.
     constexpr bool take(std::size_t i, bytes data) {
         const table_extent& request = plan.requests[i];
         // Bounded twice: g++ -O3 warns of a write behind the array otherwise.

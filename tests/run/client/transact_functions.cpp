@@ -227,6 +227,18 @@ TEST_CASE_TEMPLATE("a user-defined function ends by the caller's rule", Kind, an
     CHECK(drive.transact(asked, room, length_rule::fixed(254)).error() == errc::bad_argument);
     CHECK(drive.transact(asked, room, length_rule::counted(0)).error() == errc::bad_argument);
     CHECK(port.frames.size() == sent);
+    response = {1, 1, 0x05}; // the request tells the length, whatever the rule
+    CHECK(is(drive.transact(byte_list{1, 0, 0, 0, 3}, room, length_rule::of_function()), {1, 1, 0x05}));
+    response = {15, 0, 3, 0, 9};
+    CHECK(is(drive.transact(byte_list{15, 0, 3, 0, 9, 2, 1, 1}, room, length_rule::of_function()),
+             {15, 0, 3, 0, 9}));
+    response = {23, 2, 0, 7};
+    CHECK(is(drive.transact(byte_list{23, 0, 0, 0, 1, 0, 2, 0, 1, 2, 0, 5}, room, length_rule::until_gap()),
+             {23, 2, 0, 7}));
+    CHECK(drive.transact(byte_list{1, 0, 0, 0, 0}, room, length_rule::of_function()).error() ==
+          errc::bad_argument);
+    CHECK(drive.transact(byte_list{1, 0, 0, 0, 200}, room, length_rule::of_function()).error() ==
+          errc::bad_argument);
     response = {3, 2, 0, 9};
     CHECK(is(drive.transact(byte_list{3, 0, 0, 0, 1}, room, length_rule::fixed(9)), {3, 2, 0, 9}));
     response = {3, 4, 0, 9, 0, 0};

@@ -8,6 +8,7 @@
 #include <cstdint>
 
 #include <servobus/modbus/bits.hpp>
+#include <servobus/modbus/read_write.hpp>
 #include <servobus/registers/tables.hpp>
 
 namespace servobus::detail {
@@ -98,7 +99,8 @@ template <class Device, const auto&... Rs, const auto&... Ws> struct both_plan<D
                   "a setting of the line, of the word order or of the memory is written by write()");
     static_assert(readings<Rs...>::is_one_frame, "function 17h reads adjacent registers");
     static constexpr u16 words_written = write_plan<Ws...>::words;
-    static_assert(words_written <= 121, "function 17h writes at most 121 registers");
+    static_assert(words_written <= modbus::max_write_of_read_write,
+                  "function 17h writes at most 121 registers");
 
     using values = readings<Rs...>;
     static constexpr extent read = values::plan.requests[0];

@@ -16,7 +16,7 @@
 
 namespace servobus::detail {
 
-/// What a call is about: it decides which request rules out an echo, and how long responses are.
+/// The kind of a call decides which request rules out an echo, and how long responses are.
 enum class call_of : std::uint8_t {
     registers,
     tables, ///< bits, and reads of several tables: the quantity lies behind request and response
@@ -148,7 +148,7 @@ template <class Link> class stepped_request {
             return std::as_const(*link_).node().word_order;
     }
 
-    /// What a request of function 17h depends on until it leaves.
+    /// Sets the facts that a request of function 17h needs until it leaves.
     constexpr void set_condition(const condition& on) { condition_ = on; }
 
     /// The call is not begun.

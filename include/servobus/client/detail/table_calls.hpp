@@ -18,6 +18,7 @@ namespace servobus::detail {
 template <class Line, device_class Device, class Node> struct table_calls<client<Line, Device, Node>> {
     using own = client<Line, Device, Node>;
     using crc = typename Line::crc;
+    static_assert(most_bits == modbus::max_read_bits);
 
     template <const auto& R> static constexpr result<bool> read_bit(own& of) {
         check_device<Device, R>();
@@ -181,8 +182,8 @@ template <class Line, device_class Device, class Node> struct table_calls<client
         store_word(frame, 6, or_mask);
         (void)modbus::close_trusted<crc>(frame, 7);
         status why = of.carried(frame, frame, true);
-        if constexpr (
-            Line::is_small) { // which takes a byte count, where the device may send one, in each response
+        // A blocking line takes a byte count in each response of a device that may send one.
+        if constexpr (Line::is_small) {
             if (of.node_.limits.echoes_byte_count && why.error() == errc::ok &&
                 (load_word(frame, 4) != and_mask || load_word(frame, 6) != or_mask))
                 why = status::sent(errc::wrong_value);
@@ -208,7 +209,6 @@ template <class Line, device_class Device, class Node> struct table_calls<client
         return of.carried_both(request, response);
     }
 
-  private:
     template <modbus::function Asks>
     static constexpr status rules_out_echo(own& of, status why, u16 address) {
         request_machine call = request_machine::write();
