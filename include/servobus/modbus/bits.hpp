@@ -70,10 +70,10 @@ constexpr bool is_writable(std::uint16_t address, std::size_t coils) {
     if (!is) a_write_of_coils_has_1_to_1968_inside_the_address_space();
     return is;
 }
-/// The first six bytes of a request of function 0Fh.
-constexpr void put_coils_head(byte_buffer out, std::uint16_t address, std::uint16_t coils) {
-    put_trusted_request(out, function::write_multiple_coils, address, coils);
-    out[5] = static_cast<std::uint8_t>(bytes_of_bits(coils));
+/// The first six bytes of a request of function 0Fh, whose coils fill `count` bytes.
+constexpr void put_coils_head(byte_buffer out, std::uint16_t address, std::size_t coils, std::size_t count) {
+    put_trusted_request(out, function::write_multiple_coils, address, static_cast<std::uint16_t>(coils));
+    out[5] = static_cast<std::uint8_t>(count);
 }
 } // namespace detail
 
@@ -117,7 +117,7 @@ constexpr std::size_t put_write_coils_request(byte_buffer out, std::uint16_t add
         return 0;
     }
     if (out.size() < 6 + count) return 0;
-    detail::put_coils_head(out, address, static_cast<std::uint16_t>(coils.size()));
+    detail::put_coils_head(out, address, coils.size(), count);
     for (std::size_t i = 0; i < count; ++i) out[6 + i] = coils.packed()[i];
     const std::size_t used = coils.size() % 8;
     if (used != 0) out[5 + count] = static_cast<std::uint8_t>(out[5 + count] & ((1u << used) - 1));
@@ -127,9 +127,10 @@ constexpr std::size_t put_write_coils_request(byte_buffer out, std::uint16_t add
 constexpr std::size_t put_write_coils_request(byte_buffer out, std::uint16_t address,
                                               slice<const bool> coils) {
     if (!detail::is_writable(address, coils.size())) return 0;
-    const std::size_t length = 6 + bytes_of_bits(coils.size());
+    const std::size_t count = bytes_of_bits(coils.size());
+    const std::size_t length = 6 + count;
     if (out.size() < length) return 0;
-    detail::put_coils_head(out, address, static_cast<std::uint16_t>(coils.size()));
+    detail::put_coils_head(out, address, coils.size(), count);
     for (std::size_t i = 6; i < length; ++i) out[i] = 0;
     for (std::size_t i = 0; i < coils.size(); ++i) {
         if (coils[i]) out[6 + i / 8] = static_cast<std::uint8_t>(out[6 + i / 8] | 1u << i % 8);

@@ -30,6 +30,15 @@ namespace detail {
 // Not constexpr on purpose, as in pdu.hpp: the error of a constant request names the rule.
 inline void a_read_write_reads_1_to_125_registers_inside_the_address_space() {}
 inline void a_read_write_writes_1_to_121_registers_inside_the_address_space() {}
+
+/// The first ten bytes of a request of function 17h; the values follow. The parts are checked already.
+constexpr void put_read_write_head(byte_buffer out, std::uint16_t read_address, std::uint16_t quantity,
+                                   std::uint16_t write_address, std::uint16_t written) {
+    put_trusted_request(out, function::read_write_registers, read_address, quantity);
+    store_word(out, 5, write_address);
+    store_word(out, 7, written);
+    out[9] = static_cast<std::uint8_t>(2 * written);
+}
 } // namespace detail
 
 /// A change of some bits of a register, function 16h.
@@ -90,10 +99,8 @@ constexpr std::size_t put_read_write_request(byte_buffer out, std::uint16_t read
     }
     const std::size_t length = 10 + 2 * values.size();
     if (out.size() < length) return 0;
-    put_trusted_request(out, function::read_write_registers, read_address, quantity);
-    store_word(out, 5, write_address);
-    store_word(out, 7, static_cast<std::uint16_t>(values.size()));
-    out[9] = static_cast<std::uint8_t>(2 * values.size());
+    detail::put_read_write_head(out, read_address, quantity, write_address,
+                                static_cast<std::uint16_t>(values.size()));
     for (std::size_t i = 0; i < values.size(); ++i) store_word(out, 10 + 2 * i, values[i]);
     return length;
 }

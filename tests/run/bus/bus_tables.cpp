@@ -121,17 +121,17 @@ TEST_CASE("padding that is not 0 is no value, and does not count as a response t
 }
 
 namespace {
-template <std::uint16_t Words>
-constexpr poll_plan plan_of{timing, target, own_requests(tank_node, milliseconds(50), Words)};
+constexpr poll_plan with_1{timing, target, own_requests(tank_node, milliseconds(50), 1)};
+constexpr poll_plan with_2{timing, target, own_requests(tank_node, milliseconds(50), 2)};
+constexpr poll_plan with_3{timing, target, own_requests(tank_node, milliseconds(50), 3)};
 
 // The errors of the program's own 16h, 17h (of one register, and one read) and 0F, beside a bus.
-template <std::uint16_t Words> void check_own(bool has_16h, bool has_17h) {
-    CAPTURE(Words);
+template <const auto& Plan> void check_own(bool has_16h, bool has_17h) {
     tests::waiting_scripted_port port;
     tests::plain_tables model = tank::model();
     port.device = [&](scripted_port& p, const sent_frame& f) { model(p, f, 9); };
     line<tests::waiting_scripted_port> wire{port, timing};
-    bus<plan_of<Words>, line<tests::waiting_scripted_port>> all{wire};
+    bus<Plan, line<tests::waiting_scripted_port>> all{wire};
     client io{wire, tank_node};
     const auto error_of = [&](auto& call) {
         for (int i = 0; i < 20'000 && !call.done(); ++i) {
@@ -154,9 +154,9 @@ template <std::uint16_t Words> void check_own(bool has_16h, bool has_17h) {
 } // namespace
 
 TEST_CASE("own requests beside a bus: 16h counts as two registers, 17h as all of its registers and one") {
-    check_own<1>(false, false);
-    check_own<2>(true, false);
-    check_own<3>(true, true);
+    check_own<with_1>(false, false);
+    check_own<with_2>(true, false);
+    check_own<with_3>(true, true);
 }
 
 } // namespace bus_tables_tests

@@ -10,6 +10,7 @@
 #include <servobus/client/detail/row_rules.hpp>
 #include <servobus/client/detail/stepped_request.hpp>
 #include <servobus/modbus/bits.hpp>
+#include <servobus/modbus/read_write.hpp>
 #include <servobus/registers/tables.hpp>
 
 namespace servobus::detail {
@@ -35,22 +36,22 @@ template <class Link> class stepped_table_request : public stepped_request<Link>
     }
     /// Writes a coil by function 05, or coils whose bits lie in `frame` from its byte 7 on by 0F.
     constexpr errc begin_coil(std::uint8_t* frame, u16 address, bool is_on) {
-        return begin_bits(frame, 8, modbus::function::write_single_coil, address,
-                          is_on ? modbus::coil_on : modbus::coil_off);
+        if (const errc no = refusal(); no != errc::ok) return no;
+        modbus::put_write_coil_request({frame + 1, 5}, address, is_on);
+        return begin_bits(frame, 8, address);
     }
     constexpr errc begin_coils(std::uint8_t* frame, u16 address, u16 count) {
+        if (const errc no = refusal(); no != errc::ok) return no;
         const std::size_t payload = modbus::bytes_of_bits(count);
-        frame[6] = static_cast<std::uint8_t>(payload);
-        return begin_bits(frame, 9 + payload, modbus::function::write_multiple_coils, address, count);
+        modbus::detail::put_coils_head({frame + 1, 6}, address, count, payload);
+        return begin_bits(frame, 9 + payload, address);
     }
     /// Changes bits of a register by function 16h; `frame` has ten bytes.
     constexpr errc begin_masked(std::uint8_t* frame, u16 address, u16 and_mask, u16 or_mask) {
         if (const errc no = refusal(); no != errc::ok) return no;
         const byte_buffer request{frame, 10};
         request[0] = base::node().address;
-        modbus::put_trusted_request(request.subspan(1), modbus::function::mask_write_register, address,
-                                    and_mask);
-        store_word(request, 6, or_mask);
+        modbus::put_mask_write_request(request.subspan(1), {address, and_mask, or_mask});
         (void)modbus::close_trusted<typename base::crc>(request, 7);
         return base::template begin<call_of::masked>(request_machine::write(), frame, 10, address, frame[1]);
     }
@@ -61,11 +62,8 @@ template <class Link> class stepped_table_request : public stepped_request<Link>
         const std::size_t words = both.written.words;
         const byte_buffer request{frame, 13 + 2 * words};
         request[0] = base::node().address;
-        modbus::put_trusted_request(request.subspan(1), modbus::function::read_write_registers,
-                                    both.read.address, both.read.words);
-        store_word(request, 6, both.written.address);
-        store_word(request, 8, both.written.words);
-        request[10] = static_cast<std::uint8_t>(2 * words);
+        modbus::detail::put_read_write_head(request.subspan(1), both.read.address, both.read.words,
+                                            both.written.address, both.written.words);
         (void)modbus::close_trusted<typename base::crc>(request, request.size() - 3);
         base::set_condition(on);
         // The address is in the request; its place has the length of the response.
@@ -79,12 +77,10 @@ template <class Link> class stepped_table_request : public stepped_request<Link>
         if (!base::done()) return errc::busy;
         return base::node().is_valid() ? errc::ok : base::refused(errc::bad_argument);
     }
-    constexpr errc begin_bits(std::uint8_t* frame, std::size_t size, modbus::function code, u16 address,
-                              u16 quantity_or_value) {
-        if (const errc no = refusal(); no != errc::ok) return no;
+    // The PDU is in `frame` already.
+    constexpr errc begin_bits(std::uint8_t* frame, std::size_t size, u16 address) {
         const byte_buffer request{frame, size};
         request[0] = base::node().address;
-        modbus::put_trusted_request(request.subspan(1), code, address, quantity_or_value);
         (void)modbus::close_trusted<typename base::crc>(request, size - 3);
         return base::template begin<call_of::tables>(request_machine::write(), frame, size, address,
                                                      frame[1]);

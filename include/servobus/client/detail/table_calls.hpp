@@ -11,6 +11,7 @@
 #include <servobus/client/client.hpp>
 #include <servobus/client/detail/row_rules.hpp>
 #include <servobus/modbus/bits.hpp>
+#include <servobus/modbus/read_write.hpp>
 #include <servobus/registers/tables.hpp>
 
 namespace servobus::detail {
@@ -156,8 +157,7 @@ template <class Line, device_class Device, class Node> struct table_calls<client
         if (!IsBroadcast && !of.node_.is_valid()) return errc::bad_argument;
         std::uint8_t frame[8];
         frame[0] = IsBroadcast ? modbus::broadcast : of.node_.address;
-        modbus::put_trusted_request(byte_buffer{frame}.subspan(1), modbus::function::write_single_coil,
-                                    address, is_on ? modbus::coil_on : modbus::coil_off);
+        modbus::put_write_coil_request(byte_buffer{frame}.subspan(1), address, is_on);
         (void)modbus::close_trusted<crc>(frame, 5);
         const status why = of.template carried<IsBroadcast>(frame, frame, true);
         return IsBroadcast ? why : rules_out_echo<modbus::function::read_coils>(of, why, address);
@@ -166,8 +166,7 @@ template <class Line, device_class Device, class Node> struct table_calls<client
     [[gnu::noinline]] static constexpr status write_bits(own& of, byte_buffer frame, u16 address, u16 count) {
         if (!of.node_.is_valid()) return errc::bad_argument;
         frame[0] = of.node_.address;
-        modbus::put_trusted_request(frame.subspan(1), modbus::function::write_multiple_coils, address, count);
-        frame[6] = static_cast<std::uint8_t>(frame.size() - 9);
+        modbus::detail::put_coils_head(frame.subspan(1), address, count, frame.size() - 9);
         (void)modbus::close_trusted<crc>(frame, frame.size() - 3);
         return of.carried(frame, frame.first(8));
     }
@@ -177,9 +176,7 @@ template <class Line, device_class Device, class Node> struct table_calls<client
         if (!of.node_.is_valid()) return errc::bad_argument;
         std::uint8_t frame[10];
         frame[0] = of.node_.address;
-        modbus::put_trusted_request(byte_buffer{frame}.subspan(1), modbus::function::mask_write_register,
-                                    address, and_mask);
-        store_word(frame, 6, or_mask);
+        modbus::put_mask_write_request(byte_buffer{frame}.subspan(1), {address, and_mask, or_mask});
         (void)modbus::close_trusted<crc>(frame, 7);
         status why = of.carried(frame, frame, true);
         // A blocking line takes a byte count in each response of a device that may send one.
@@ -200,11 +197,8 @@ template <class Line, device_class Device, class Node> struct table_calls<client
         const byte_buffer request{request_data, 13 + written};
         const byte_buffer response{response_data, 5 + std::size_t{2} * both.read.words};
         request[0] = of.node_.address;
-        modbus::put_trusted_request(request.subspan(1), modbus::function::read_write_registers,
-                                    both.read.address, both.read.words);
-        store_word(request, 6, both.written.address);
-        store_word(request, 8, both.written.words);
-        request[10] = static_cast<std::uint8_t>(written);
+        modbus::detail::put_read_write_head(request.subspan(1), both.read.address, both.read.words,
+                                            both.written.address, both.written.words);
         (void)modbus::close_trusted<crc>(request, request.size() - 3);
         return of.carried_both(request, response);
     }
