@@ -19,11 +19,11 @@
 ///
 ///     using device, feedback;                    // of the drive
 ///     template <class Line> using drive;
-///     using init, fault_reset, stop;             // commands; `stop` is repeated on every way out
+///     using stop;                                // a command that is repeated on every way out
 ///     static constexpr const char *name, *warning, *at_rest, *not_at_rest;
 ///     static constexpr unsigned lines;           // of its table
 ///     static void print(const feedback&);
-///     static bool is_running(const feedback&), is_at_rest(const feedback&), has_fault(const feedback&);
+///     static bool is_running(const feedback&), is_at_rest(const feedback&);
 template <class Machine> class bench {
     using feedback = typename Machine::feedback;
 
@@ -104,7 +104,7 @@ template <class Machine> class bench {
         const servobus::instant start = port_.now();
         for (;;) {
             check_signal();
-            const servobus::routine_status r = drive_.run(typename Machine::init{});
+            const servobus::routine_status r = drive_.run(servobus::init{});
             if (r) break;
             if (servobus::since(start, port_.now()) > within) end(servobus::text(r.error()));
             if (r.error() == servobus::errc::port_lost) (void)open();
@@ -114,14 +114,14 @@ template <class Machine> class bench {
         if (!f) end(servobus::text(f.error()));
         show(*f);
         end_table();
-        if (Machine::has_fault(*f)) must(typename Machine::fault_reset{});
+        if (f->has_fault()) must(servobus::fault_reset{});
     }
 
     /// True if the last look showed the machine standing and free of faults.
     bool is_at_rest() {
         const auto f = drive_.read();
         if (!f) end(servobus::text(f.error()));
-        const bool rests = Machine::is_at_rest(*f) && !Machine::has_fault(*f);
+        const bool rests = Machine::is_at_rest(*f) && !f->has_fault();
         say(rests ? Machine::at_rest : Machine::not_at_rest);
         return rests;
     }
@@ -187,7 +187,7 @@ template <class Machine> class bench {
         check_signal();
         const auto f = drive_.read();
         if (!f) end(servobus::text(f.error()));
-        if (Machine::has_fault(*f)) end("the drive reports a fault");
+        if (f->has_fault()) end("the drive reports a fault");
         show(*f);
         pause();
     }

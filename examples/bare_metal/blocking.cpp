@@ -18,7 +18,7 @@ class program {
   public:
     bool turns_and_stops_the_wheels() {
         return does("take over", init{}) && does("watchdog 20 s", job::watchdog) &&
-               does("enable, velocity mode", enable{operating_mode::velocity}) &&
+               does("enable, velocity mode", enable_in{operating_mode::velocity}) &&
                does("left 20 r/min, right -20 r/min", job::opposite_ways) && sees_both_turn() &&
                does("halt", halt{}) && does("disable", disable{}) && sees_both_stand();
     }
@@ -64,7 +64,7 @@ class program {
     result<feedback> looks() {
         const result<feedback> seen = wheels_.read();
         if (!seen) out << "blocking: look: " << text(seen.error()) << "\n";
-        if (!seen || !seen->any_fault()) return seen;
+        if (!seen || !seen->has_fault()) return seen;
         out << "blocking: look: " << text(errc::faulted) << "\n";
         return errc::faulted;
     }

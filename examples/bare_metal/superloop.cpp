@@ -82,7 +82,7 @@ class program {
         switch (at_) {
         case stage::take_over: return wheels_.begin(init{});
         case stage::watchdog: return wheels_.begin(job::watchdog);
-        case stage::enable: return wheels_.begin(enable{operating_mode::velocity});
+        case stage::enable: return wheels_.begin(enable_in{operating_mode::velocity});
         case stage::turn: return wheels_.begin(job::opposite_ways);
         case stage::look: return wheels_.begin(read_feedback{});
         case stage::halt: return wheels_.begin(halt{});
@@ -101,7 +101,7 @@ class program {
         if (at_ == stage::look) {
             const auto seen = wheels_.feedback(milliseconds(1000));
             if (!seen) return fail(seen.error());
-            if (seen->any_fault()) return fail(errc::faulted);
+            if (seen->has_fault()) return fail(errc::faulted);
             if (!job::turns_as_commanded(*seen)) return look_again();
         }
         say("done");

@@ -5,8 +5,8 @@
 // of the library only; device/README.md explains each part. With a `line`:
 //
 //     winch::drive drum{line, 5, {.command_timeout = servobus::milliseconds(300)}};
-//     if (!drum.run(winch::init{}) || !drum.run(winch::enable{})) return;
-//     const winch::arrival there = drum.run(winch::move_to{20'000 * winch::pulse}, winch::until_arrived{});
+//     if (!drum.run(servobus::init{}) || !drum.run(servobus::enable{})) return;
+//     const winch::arrival there = drum.run(winch::move_to{20'000 * winch::pulse}, servobus::wait_reached{});
 //     if (there.how != servobus::arrival_state::reached) show(there.missing.count());
 #pragma once
 
@@ -20,8 +20,8 @@
 
 namespace winch {
 
-using servobus::duration, servobus::errc, servobus::milliseconds, servobus::routine, servobus::slice,
-    servobus::step;
+using servobus::drive_state, servobus::duration, servobus::errc, servobus::milliseconds, servobus::routine,
+    servobus::slice, servobus::step;
 namespace steps = servobus::steps;
 namespace commands = servobus::commands;
 
@@ -29,8 +29,6 @@ using rate = servobus::quantity<servobus::units::r_per_min / 10, std::int32_t>;
 using distance = servobus::quantity<servobus::units::pulse, std::int32_t>;
 
 // --- What is known of the drive, and what a command is
-
-enum class drive_state : std::uint8_t { needs_init, off, holding, faulted };
 
 /// What the program has cached of the drive. One with parameters that commands need has them here too.
 struct cached_settings {
@@ -99,7 +97,9 @@ inline constexpr step move[] = {
     steps::write<control_word>(control_code::move),
     steps::same_drive(),
 };
-inline constexpr step until_arrived[] = {steps::confirm()};
+inline constexpr step wait_standstill[] = {
+    steps::until_bits<status_word>(status_bits::turning, 0, step::commanded_limit), steps::same_drive()};
+inline constexpr step wait_reached[] = {steps::confirm()};
 inline constexpr step feedback[] = {steps::fetch<load, position, status_word, fault>()};
 inline constexpr step same_session[] = {steps::expect<host_word>(session)};
 } // namespace routines
@@ -111,40 +111,55 @@ constexpr errc needs(const cached_settings& known, drive_state state) {
     return known.state == state ? errc::ok : errc::wrong_state;
 }
 
+constexpr errc needs_init_done(const cached_settings& known) {
+    return known.state == drive_state::needs_init ? errc::needs_init : errc::ok;
+}
+
+// The commands that every drive has
+
 /// Switches the winch off, whatever it does, and takes it over.
-struct init {
-    constexpr prepared_command plan(const cached_settings&) const {
-        return {.steps = routines::init, .then = effect::initialised};
-    }
-};
+constexpr prepared_command plan(servobus::init, const cached_settings&) {
+    return {.steps = routines::init, .then = effect::initialised};
+}
 /// Energises the winch, at standstill.
-struct enable {
-    constexpr prepared_command plan(const cached_settings& known) const {
-        return {
-            .steps = routines::enable, .then = effect::enabled, .refusal = needs(known, drive_state::off)};
-    }
-};
+constexpr prepared_command plan(servobus::enable, const cached_settings& known) {
+    return {
+        .steps = routines::enable, .then = effect::enabled, .refusal = needs(known, drive_state::disabled)};
+}
 /// Switches it off.
-struct disable {
-    constexpr prepared_command plan(const cached_settings&) const {
-        return {
-            .steps = routines::disable, .then = effect::disabled, .stop = servobus::stop_priority::disable};
-    }
-};
+constexpr prepared_command plan(servobus::disable, const cached_settings&) {
+    return {.steps = routines::disable, .then = effect::disabled, .stop = servobus::stop_priority::disable};
+}
 /// Stops it; it stays energised. Where nothing is known of it, it is switched off.
-struct halt {
-    constexpr prepared_command plan(const cached_settings& known) const {
-        const bool is_held = known.state == drive_state::holding;
-        return {.steps = is_held ? routine{routines::halt} : routine{routines::disable},
-                .stop = servobus::stop_priority::halt};
-    }
-};
+constexpr prepared_command plan(servobus::halt, const cached_settings& known) {
+    const bool is_held = known.state == drive_state::enabled;
+    return {.steps = is_held ? routine{routines::halt} : routine{routines::disable},
+            .stop = servobus::stop_priority::halt};
+}
+/// Switches it off: its brake is the fastest stop.
+constexpr prepared_command plan(servobus::quick_stop, const cached_settings&) {
+    return {
+        .steps = routines::disable, .then = effect::disabled, .stop = servobus::stop_priority::quick_stop};
+}
 /// Clears a fault; the winch stays off.
-struct fault_reset {
-    constexpr prepared_command plan(const cached_settings& known) const {
-        return {.steps = routines::clear_fault, .refusal = needs(known, drive_state::off)};
-    }
-};
+constexpr prepared_command plan(servobus::fault_reset, const cached_settings& known) {
+    return {.steps = routines::clear_fault, .refusal = needs(known, drive_state::disabled)};
+}
+constexpr prepared_command plan(const servobus::wait_standstill& wanted, const cached_settings& known) {
+    return {.steps = routines::wait_standstill, .refusal = needs_init_done(known), .limit = wanted.limit};
+}
+constexpr prepared_command plan(const servobus::wait_reached& wanted, const cached_settings& known) {
+    return {.steps = routines::wait_reached,
+            .then = effect::arrived,
+            .refusal = needs_init_done(known),
+            .limit = wanted.limit};
+}
+constexpr prepared_command plan(servobus::read_feedback, const cached_settings& known) {
+    return {.steps = routines::feedback, .then = effect::seen, .refusal = needs_init_done(known)};
+}
+
+// The commands with arguments of its own
+
 /// Turns without end; the sign is the direction.
 struct turn {
     rate at;
@@ -153,7 +168,7 @@ struct turn {
         return {.steps = routines::turn,
                 .arguments = {{commands::as_word(c.count)}},
                 .then = effect::turned,
-                .refusal = commands::first_error(needs(known, drive_state::holding), c.error)};
+                .refusal = commands::first_error(needs(known, drive_state::enabled), c.error)};
     }
 };
 /// Winds to a place; refused while it turns (`busy`).
@@ -165,27 +180,10 @@ struct move_to {
         return {.steps = routines::move,
                 .arguments = {{words.first, words.second}},
                 .then = effect::moved,
-                .refusal = commands::first_error(needs(known, drive_state::holding),
+                .refusal = commands::first_error(needs(known, drive_state::enabled),
                                                  commands::in_range<target>(place.count()))};
     }
 };
-/// Waits for the end of the last move. Errors: `stopped_short`; `not_reached` after `limit`; `wrong_state`
-/// without a move.
-struct until_arrived {
-    duration limit = milliseconds(60'000);
-    constexpr prepared_command plan(const cached_settings& known) const {
-        return {.steps = routines::until_arrived,
-                .then = effect::arrived,
-                .refusal = known.state == drive_state::needs_init ? errc::needs_init : errc::ok,
-                .limit = limit};
-    }
-};
-struct read_feedback {
-    constexpr prepared_command plan(const cached_settings&) const {
-        return {.steps = routines::feedback, .then = effect::seen};
-    }
-};
-
 // --- The model: what the facade must know of this drive
 
 struct arrival {
@@ -199,11 +197,16 @@ class model {
     using prepared_command = winch::prepared_command;
     using settings = cached_settings;
 
-    // Five constants.
+    // Six constants.
+    static constexpr servobus::drive_traits traits{.stops_without_line = false,
+                                                   .halts_in_position = true,
+                                                   .changes_speed_on_the_run = true,
+                                                   .has_homing = false,
+                                                   .keeps_single_parameters = false};
     /// The feedback: load, position, status, fault, in one frame.
     static constexpr servobus::register_block image{load.address, 5};
     static constexpr settings unknown{};
-    static constexpr drive_state enabled = drive_state::holding;
+    static constexpr drive_state enabled = drive_state::enabled;
     static constexpr drive_state faulted = drive_state::faulted;
     /// With which kind of stop the facade answers a fault.
     static constexpr servobus::stop_priority stop_at_fault = servobus::stop_priority::disable;
@@ -227,9 +230,9 @@ class model {
     static constexpr bool is_faulted(const std::uint16_t* w, const settings&) { return w[fault_word] != 0; }
     /// A winch that should be energised and is not has restarted, or was switched off by something else.
     static constexpr servobus::verdict judge(const std::uint16_t* w, settings& known) {
-        if (known.state != drive_state::holding) return servobus::verdict::as_expected;
+        if (known.state != drive_state::enabled) return servobus::verdict::as_expected;
         if (is_faulted(w, known)) {
-            known.state = drive_state::off;
+            known.state = drive_state::disabled;
             return servobus::verdict::faulted;
         }
         const bool is_energised = (w[status_at] & status_bits::energised) != 0;
@@ -242,7 +245,8 @@ class model {
     }
     /// The routine for a stop of the facade's own.
     static constexpr prepared_command stop_for(servobus::stop_priority which, const settings& known, bool) {
-        return which == servobus::stop_priority::halt ? halt{}.plan(known) : disable{}.plan(known);
+        return which == servobus::stop_priority::halt ? plan(servobus::halt{}, known)
+                                                      : plan(servobus::disable{}, known);
     }
 
     // How a command begins and ends
@@ -254,12 +258,12 @@ class model {
     constexpr errc learn(prepared_command& c, slice<const std::uint16_t>, settings& known) {
         switch (c.then) {
         case effect::initialised:
-            known.state = drive_state::off;
+            known.state = drive_state::disabled;
             has_goal_ = false;
             break;
-        case effect::enabled: known.state = drive_state::holding; break;
+        case effect::enabled: known.state = drive_state::enabled; break;
         case effect::disabled:
-            if (known.state != drive_state::needs_init) known.state = drive_state::off;
+            if (known.state != drive_state::needs_init) known.state = drive_state::disabled;
             break;
         case effect::turned: has_goal_ = false; break;
         case effect::moved:
@@ -309,6 +313,21 @@ class model {
 /// By which the plan of a bus finds the model.
 model model_of(const device&);
 
+/// What the winch says of itself in one frame.
+struct feedback {
+    std::uint16_t load = 0; ///< 0.1 A
+    distance position{};
+    std::uint16_t status = 0; ///< `status_bits`
+    std::uint16_t fault_code = 0;
+
+    constexpr bool has_fault() const { return fault_code != 0; }
+    constexpr bool is_moving() const { return (status & status_bits::turning) != 0; }
+
+    static constexpr feedback from_words(const std::uint16_t* w) {
+        return {w[0], model::place(w + model::position_at), w[model::status_at], w[model::fault_word]};
+    }
+};
+
 // --- The facade
 
 template <class Line> class drive : public servobus::facade<model, Line> {
@@ -323,13 +342,13 @@ template <class Line> class drive : public servobus::facade<model, Line> {
 
     using base::run;
     /// Runs a move and waits for its end.
-    winch::arrival run(const move_to& move, const until_arrived& end) {
+    winch::arrival run(const move_to& move, const servobus::wait_reached& end) {
         if (!base::run(move)) return {};
         (void)base::run(end);
         return arrival(end);
     }
     /// Where the last move has come to, by the last feedback; with `end`, for a bus.
-    constexpr winch::arrival arrival(const until_arrived&) const { return arrival(); }
+    constexpr winch::arrival arrival(const servobus::wait_reached&) const { return arrival(); }
     constexpr winch::arrival arrival() const {
         if (this->state() == drive_state::needs_init) return {};
         winch::arrival a = this->model_.arrival_of(this->image(), this->since_start());
@@ -337,9 +356,15 @@ template <class Line> class drive : public servobus::facade<model, Line> {
         return a;
     }
     /// Read at most `oldest` ago. Errors: `needs_init`; `timeout` if it is older.
-    constexpr servobus::result<distance> position(duration oldest) const {
+    constexpr servobus::result<winch::feedback> feedback(duration oldest) const {
         if (const errc why = this->check_feedback(oldest); why != errc::ok) return why;
-        return model::place(this->image() + model::position_at);
+        return winch::feedback::from_words(this->image());
+    }
+    /// Reads it in one frame.
+    servobus::result<winch::feedback> read() {
+        const servobus::routine_status r = base::run(servobus::read_feedback{});
+        if (!r) return r.status;
+        return winch::feedback::from_words(this->image());
     }
 };
 

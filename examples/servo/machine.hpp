@@ -14,9 +14,7 @@ struct servo_machine {
     using device = servobus::c630s::device;
     using feedback = servobus::c630s::feedback;
     template <class Line> using drive = servobus::c630s::drive<Line>;
-    using init = servobus::c630s::init;
-    using fault_reset = servobus::c630s::fault_reset;
-    using stop = servobus::c630s::disable;
+    using stop = servobus::disable;
 
     static constexpr const char* name = "servo";
     static constexpr const char* warning =
@@ -30,7 +28,6 @@ struct servo_machine {
 
     static bool is_running(const feedback& f) { return !stands(f) || !f.state.is_completed(); }
     static bool is_at_rest(const feedback& f) { return stands(f); }
-    static bool has_fault(const feedback& f) { return f.has_fault(); }
 
     static void print(const feedback& f) {
         const servobus::c630s::alarm* alarm = f.alarm();

@@ -48,7 +48,7 @@ void move_a_turn(servo_bench& b, std::int32_t units) {
 void run_segments(servo_bench& b) {
     b.say("moving a turn forward and back by segments");
     b.must(position_segments{});
-    b.must(enable{control_mode::position});
+    b.must(enable_in{control_mode::position});
     move_a_turn(b, 10'000);
     move_a_turn(b, -10'000);
     b.must(disable{});
@@ -57,7 +57,7 @@ void run_segments(servo_bench& b) {
 void run_at_speed(servo_bench& b) {
     b.say("turning at 30 r/min");
     b.must(ramps{200 * millisecond, 200 * millisecond});
-    b.must(enable{control_mode::speed});
+    b.must(enable_in{control_mode::speed});
     b.must(velocity{30 * r_per_min});
     b.watch(milliseconds(2000));
     b.must(halt{});

@@ -14,9 +14,7 @@ struct stepper_machine {
     using device = servobus::yako::closed_loop::device;
     using feedback = servobus::yako::closed_loop::feedback;
     template <class Line> using drive = servobus::yako::closed_loop::drive<Line>;
-    using init = servobus::yako::init;
-    using fault_reset = servobus::yako::fault_reset;
-    using stop = servobus::yako::stop; // a load that hangs on the axis is held
+    using stop = servobus::halt; // a load that hangs on the axis is held
 
     static constexpr const char* name = "stepper";
     static constexpr const char* warning =
@@ -27,11 +25,10 @@ struct stepper_machine {
     static constexpr unsigned lines = 1;
 
     static bool is_running(const feedback& f) { return f.state.is_moving(); }
-    static bool is_at_rest(const feedback& f) { return !is_running(f) && f.velocity.count() == 0; }
-    static bool has_fault(const feedback& f) { return f.any_fault(); }
+    static bool is_at_rest(const feedback& f) { return !is_running(f) && f.speed.count() == 0; }
 
     static void print(const feedback& f) {
-        std::printf("   %7.1f r/min %9ld pulses  %-8s %s\n", f.velocity.count() / 10.0,
+        std::printf("   %7.1f r/min %9ld pulses  %-8s %s\n", f.speed.count() / 10.0,
                     static_cast<long>(f.position.count()), f.state.is_homed() ? "homed" : "",
                     f.state.has_alarm() ? "ALARM" : "");
     }

@@ -59,7 +59,7 @@ void change_the_target(axis_bench& b) {
 // Steps may be lost: the axis is homed again before its next absolute move.
 void stop_quickly(axis_bench& b) {
     b.say("quick stop");
-    b.must(jog{30 * r_per_min, 200 * millisecond, 200 * millisecond});
+    b.must(velocity{30 * r_per_min, 200 * millisecond, 200 * millisecond});
     b.watch(milliseconds(1000));
     b.must(quick_stop{});
     b.watch(milliseconds(300));
@@ -82,6 +82,6 @@ int main(int argc, char** argv) {
     change_the_target(b);
     stop_quickly(b);
 
-    b.must(release{});
+    b.must(disable{});
     return b.is_at_rest() ? 0 : 1;
 }

@@ -19,9 +19,7 @@ struct wheel_machine {
             : servobus::zlac8015d::drive<Line>{
                   on, node_address, {.command_timeout = servobus::milliseconds(1000)}} {}
     };
-    using init = servobus::zlac8015d::init;
-    using fault_reset = servobus::zlac8015d::fault_reset;
-    using stop = servobus::zlac8015d::disable;
+    using stop = servobus::disable;
 
     static constexpr const char* name = "wheels";
     static constexpr const char* warning =
@@ -35,7 +33,6 @@ struct wheel_machine {
     static bool is_at_rest(const feedback& f) {
         return !is_running(f) && f.left_speed.count() == 0 && f.right_speed.count() == 0;
     }
-    static bool has_fault(const feedback& f) { return f.any_fault(); }
 
     static void print(const feedback& f) {
         print_wheel("left", f.left_speed.count(), f.left_position.count(), f.left_faults.bits);

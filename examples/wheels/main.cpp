@@ -37,7 +37,7 @@ void move_by_counts(wheel_bench& b) {
     b.say("moving both wheels by 2048 counts");
     b.must(disable{});
     b.must(position_speed{30 * r_per_min, 30 * r_per_min});
-    b.must(enable{operating_mode::relative_position});
+    b.must(enable_in{operating_mode::relative_position});
     b.must(move_by{2048 * pulse, 2048 * pulse});
     b.watch_until_standstill();
     b.must(disable{});
@@ -45,7 +45,7 @@ void move_by_counts(wheel_bench& b) {
 
 void stop_quickly(wheel_bench& b) {
     b.say("quick stop at speed");
-    b.must(enable{operating_mode::velocity});
+    b.must(enable_in{operating_mode::velocity});
     b.must(velocity{30 * r_per_min, 30 * r_per_min});
     b.watch(milliseconds(1500));
     b.must(quick_stop{});
@@ -54,13 +54,13 @@ void stop_quickly(wheel_bench& b) {
 
 // The drive's own watchdog stops the wheels; nothing moves again before it has been initialised.
 void lose_the_line(wheel_bench& b) {
-    b.must(enable{operating_mode::velocity});
+    b.must(enable_in{operating_mode::velocity});
     b.must(velocity{20 * r_per_min, 20 * r_per_min});
     b.watch(milliseconds(1000));
     b.pull_the_plug();
     b.say("taking the drive over again");
     b.take_over(milliseconds(10000));
-    b.must(enable{operating_mode::velocity});
+    b.must(enable_in{operating_mode::velocity});
     b.must(velocity{20 * r_per_min, 20 * r_per_min});
     b.watch(milliseconds(1000));
 }
@@ -73,7 +73,7 @@ int main(int argc, char** argv) {
     b.take_over(milliseconds(2000));
     b.must(watchdog{1 * second});
     b.must(ramps{500 * millisecond, 500 * millisecond});
-    b.must(enable{operating_mode::velocity});
+    b.must(enable_in{operating_mode::velocity});
 
     ramp_both(b);
     run_opposite(b);

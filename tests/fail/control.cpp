@@ -239,7 +239,7 @@ int main() {
     servobus::line wire{port, servobus::modbus::timing_at(57600)};
     zlac::drive wheels{wire, 1, unsupervised};
     (void)zlac::drive{wire, 1, {.feedback = milliseconds(20), .command_timeout = milliseconds(300)}};
-    constexpr auto on = zlac::enable{zlac::operating_mode::velocity};
+    constexpr auto on = zlac::enable_in{zlac::operating_mode::velocity};
     (void)on;
     auto all = make_bus<plan_12>(wire, wheels);
     (void)all.step();

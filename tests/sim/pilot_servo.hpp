@@ -53,11 +53,11 @@ class servo_pilot final : public pilot_of<Line, servo_place<Line>, servobus::c63
         using namespace servobus::c630s;
         switch (what) {
         case doing::init: return order(init{});
-        case doing::enable: return order(enable{control::position});
+        case doing::enable: return order(enable_in{control::position});
         case doing::stop: return on.one_in(2) ? drive().begin(quick_stop{}) : drive().begin(disable{});
         case doing::move: return move(on);
-        case doing::arrival: return drive().begin(until_arrived{servobus::milliseconds(8'000)});
-        case doing::standstill: return drive().begin(wait_standstill{servobus::c630s::time{8'000}});
+        case doing::arrival: return drive().begin(wait_reached{servobus::milliseconds(8'000)});
+        case doing::standstill: return drive().begin(wait_standstill{servobus::milliseconds(8'000)});
         case doing::homing: return order(home{servobus::c630s::time{8'000}});
         case doing::save:
         case doing::setting: return setting(on, what == doing::save);
@@ -65,7 +65,7 @@ class servo_pilot final : public pilot_of<Line, servo_place<Line>, servobus::c63
         default: return errc::bad_argument;
         }
     }
-    errc begin_turning_mode() override { return order(servobus::c630s::enable{control::speed}); }
+    errc begin_turning_mode() override { return order(servobus::c630s::enable_in{control::speed}); }
     errc begin_setpoint(scene& on) override {
         using namespace servobus::units;
         return order(servobus::c630s::velocity{static_cast<std::int32_t>(on.between(60, 400)) * r_per_min});

@@ -42,7 +42,7 @@ class stepper_pilot final : public pilot_of<Line, stepper_place<Line>, servobus:
         case doing::enable: return drive().begin(enable{});
         case doing::stop: return stop(on);
         case doing::move: return move(on);
-        case doing::arrival: return drive().begin(until_arrived{servobus::milliseconds(8'000)});
+        case doing::arrival: return drive().begin(wait_reached{servobus::milliseconds(8'000)});
         case doing::standstill: return drive().begin(wait_standstill{servobus::milliseconds(8'000)});
         case doing::homing: return home();
         case doing::save: return drive().begin(save{});
@@ -114,14 +114,14 @@ class stepper_pilot final : public pilot_of<Line, stepper_place<Line>, servobus:
     }
     errc begin_setpoint_at(std::int32_t speed) {
         using namespace servobus::units;
-        return order(servobus::yako::jog{speed * r_per_min});
+        return order(servobus::yako::velocity{speed * r_per_min});
     }
     errc stop(scene& on) {
         using namespace servobus::yako;
         switch (on.random.below(3)) {
-        case 0: return drive().begin(servobus::yako::stop{});
+        case 0: return drive().begin(servobus::yako::halt{});
         case 1: return drive().begin(quick_stop{});
-        default: return drive().begin(release{});
+        default: return drive().begin(disable{});
         }
     }
     errc home() {

@@ -36,7 +36,7 @@ class wheels_pilot final : public pilot_of<Line, wheels_place<Line>, servobus::z
         case doing::enable: return enable_for_moves(on);
         case doing::stop: return stop(on);
         case doing::move: return move(on);
-        case doing::arrival: return drive().begin(until_arrived{servobus::milliseconds(8'000)});
+        case doing::arrival: return drive().begin(wait_reached{servobus::milliseconds(8'000)});
         case doing::standstill: return drive().begin(wait_standstill{});
         case doing::save: return drive().begin(save{});
         case doing::setting: return setting(on);
@@ -44,7 +44,7 @@ class wheels_pilot final : public pilot_of<Line, wheels_place<Line>, servobus::z
         default: return errc::bad_argument;
         }
     }
-    errc begin_turning_mode() override { return order(servobus::zlac8015d::enable{mode::velocity}); }
+    errc begin_turning_mode() override { return order(servobus::zlac8015d::enable_in{mode::velocity}); }
     errc begin_setpoint(scene& on) override {
         using namespace servobus::units;
         const auto speed = static_cast<std::int32_t>(on.between(20, 90));
@@ -121,7 +121,7 @@ class wheels_pilot final : public pilot_of<Line, wheels_place<Line>, servobus::z
         using namespace servobus::zlac8015d;
         const mode wanted = on.one_in(2) ? mode::relative_position : mode::absolute_position;
         const auto starts = on.one_in(2) ? synchronisation::synchronous : synchronisation::asynchronous;
-        return order(enable{servobus::checked(wanted), starts});
+        return order(enable_in{servobus::checked(wanted), starts});
     }
     errc stop(scene& on) {
         using namespace servobus::zlac8015d;

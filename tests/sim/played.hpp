@@ -21,7 +21,7 @@ enum class doing : std::uint8_t {
     enable,
     stop,
     move,
-    arrival,    ///< waits by `until_arrived`
+    arrival,    ///< waits by `wait_reached`
     standstill, ///< waits by `wait_standstill`
     homing,
     save,
@@ -31,7 +31,7 @@ enum class doing : std::uint8_t {
     count_,
 };
 constexpr const char* text(doing d) {
-    constexpr const char* names[] = {"idle",       "init",   "enable", "stop",    "move",    "until_arrived",
+    constexpr const char* names[] = {"idle",       "init",   "enable", "stop",    "move",    "wait_reached",
                                      "standstill", "homing", "save",   "setting", "reading", "turning"};
     return names[static_cast<unsigned>(d)];
 }

@@ -71,7 +71,7 @@ class servo final : public facade_of<servo_participant, servobus::c630s::drive<p
         case 3:
             return begin(fault_reset{},
                          {.name = "fault reset", .is_carried_out = [this] { return is_off(); }});
-        case 4: return enable_in(on);
+        case 4: return be_enabled_in(on);
         default: return move(on);
         }
     }
@@ -82,11 +82,11 @@ class servo final : public facade_of<servo_participant, servobus::c630s::drive<p
         if (on.one_in(12)) return begin_stop(on);
         if (on.one_in(2)) return move(on);
         if (on.one_in(3))
-            return begin(wait_standstill{c630s_time{5'000}},
+            return begin(wait_standstill{servobus::milliseconds(5'000)},
                          {.name = "wait for standstill", .has_arrived = [this] {
                               return stands() && (!expected_end_.is_certain() || is_at_goal());
                           }});
-        return begin(until_arrived{servobus::milliseconds(5'000)},
+        return begin(wait_reached{servobus::milliseconds(5'000)},
                      {.name = "wait for arrival", .has_arrived = [this] {
                           return stands() && (!expected_end_.is_known() || is_at_goal());
                       }});
@@ -94,7 +94,7 @@ class servo final : public facade_of<servo_participant, servobus::c630s::drive<p
     servobus::errc begin_motion(scene& on) override {
         using servobus::c630s::drive_state;
         if (needs_init()) return initialise();
-        return drive.state() == drive_state::enabled ? move(on) : enable_in(on);
+        return drive.state() == drive_state::enabled ? move(on) : be_enabled_in(on);
     }
     servobus::errc begin_stop(scene& on) override {
         using namespace servobus::c630s;
@@ -212,18 +212,18 @@ class servo final : public facade_of<servo_participant, servobus::c630s::drive<p
     }
     servobus::errc enable_for_moves() {
         expected_end_.forget();
-        return begin(servobus::c630s::enable{servobus::c630s::control_mode::position},
+        return begin(servobus::c630s::enable_in{servobus::c630s::control_mode::position},
                      {.name = "enable for moves", .enables = true, .is_carried_out = [this] {
                           return model().enabled();
                       }});
     }
-    servobus::errc enable_in(scene& on) {
+    servobus::errc be_enabled_in(scene& on) {
         using servobus::c630s::control_mode;
         expected_end_.forget();
         static constexpr control_mode modes[] = {control_mode::speed, control_mode::torque,
                                                  control_mode::position};
         return begin(
-            servobus::c630s::enable{modes[on.random.below(3)]},
+            servobus::c630s::enable_in{modes[on.random.below(3)]},
             {.name = "enable", .enables = true, .is_carried_out = [this] { return model().enabled(); }});
     }
     servobus::errc move(scene& on) {

@@ -44,7 +44,7 @@ class stepper final : public facade_of<stepper_participant, servobus::yako::clos
                          {.name = "wait for standstill", .has_arrived = [this] {
                               return stands() && (!expected_end_.is_certain() || is_at_goal());
                           }});
-        return begin(until_arrived{servobus::milliseconds(5'000)},
+        return begin(wait_reached{servobus::milliseconds(5'000)},
                      {.name = "wait for arrival", .has_arrived = [this] {
                           return stands() && (!expected_end_.is_known() || is_at_goal());
                       }});
@@ -56,13 +56,13 @@ class stepper final : public facade_of<stepper_participant, servobus::yako::clos
     }
     servobus::errc begin_stop(scene& on) override {
         switch (on.random.below(3)) {
-        case 0: return stop("stop", servobus::yako::stop{});
+        case 0: return stop("stop", servobus::yako::halt{});
         case 1: return stop("quick stop", servobus::yako::quick_stop{});
         default: return begin_end();
         }
     }
     servobus::errc begin_end() override {
-        return begin(servobus::yako::release{},
+        return begin(servobus::yako::disable{},
                      {.name = "release", .is_stop = true, .is_carried_out = [this] {
                           return !model().enabled() && stands();
                       }});
@@ -151,7 +151,7 @@ class stepper final : public facade_of<stepper_participant, servobus::yako::clos
         const auto has_begun = [this, before] { return starts() == before + 1; };
         if (on.one_in(4)) {
             const servobus::errc refusal =
-                begin(jog{way * r_per_min}, {.name = "jog", .moves = true, .is_carried_out = has_begun});
+                begin(velocity{way * r_per_min}, {.name = "jog", .moves = true, .is_carried_out = has_begun});
             if (refusal == servobus::errc::ok) expected_end_.command_endless();
             return refusal;
         }

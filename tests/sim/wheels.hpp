@@ -26,7 +26,7 @@ class wheels final : public facade_of<wheels_participant, servobus::zlac8015d::d
         using namespace servobus::zlac8015d;
         if (drive.state() == drive_state::needs_init && !on.one_in(4)) return initialise();
         const bool is_enabled = drive.state() == drive_state::enabled;
-        if (is_enabled && !stands() && on.one_in(3)) return enable_in(on);
+        if (is_enabled && !stands() && on.one_in(3)) return be_enabled_in(on);
         switch (on.random.below(12)) {
         case 0: return initialise();
         case 1: return begin_stop(on);
@@ -37,8 +37,8 @@ class wheels final : public facade_of<wheels_participant, servobus::zlac8015d::d
                              {.name = "wait for standstill", .is_carried_out = [this] { return stands(); }});
             return begin(fault_reset{},
                          {.name = "fault reset", .is_carried_out = [this] { return is_off(); }});
-        case 4: return enable_in(on);
-        default: return is_enabled || needs_init() ? move(on) : enable_in(on);
+        case 4: return be_enabled_in(on);
+        default: return is_enabled || needs_init() ? move(on) : be_enabled_in(on);
         }
     }
     servobus::errc begin_move_or_wait(scene& on) override {
@@ -52,18 +52,18 @@ class wheels final : public facade_of<wheels_participant, servobus::zlac8015d::d
                                                  return stands() && is_at_certain_goals();
                                              }});
         const unsigned which = on.between(1, 3);
-        return begin(
-            until_arrived{servobus::milliseconds(5'000), static_cast<servobus::zlac8015d::wheels>(which)},
-            {.name = "wait for arrival", .has_arrived = [this, which] {
-                 // A wheel that was not commanded to move has no target.
-                 const unsigned moved = which & wheels_with_goal();
-                 return is_at_goals(moved) && do_stand(moved);
-             }});
+        return begin(wait_wheels_reached{static_cast<servobus::zlac8015d::wheels>(which),
+                                         servobus::milliseconds(5'000)},
+                     {.name = "wait for arrival", .has_arrived = [this, which] {
+                          // A wheel that was not commanded to move has no target.
+                          const unsigned moved = which & wheels_with_goal();
+                          return is_at_goals(moved) && do_stand(moved);
+                      }});
     }
     servobus::errc begin_motion(scene& on) override {
         using servobus::zlac8015d::drive_state;
         if (needs_init()) return initialise();
-        return drive.state() == drive_state::enabled ? move(on) : enable_in(on);
+        return drive.state() == drive_state::enabled ? move(on) : be_enabled_in(on);
     }
     servobus::errc begin_stop(scene& on) override {
         using namespace servobus::zlac8015d;
@@ -221,7 +221,7 @@ class wheels final : public facade_of<wheels_participant, servobus::zlac8015d::d
         const mode wanted = on.one_in(2) ? mode::relative_position : mode::absolute_position;
         const auto starts = on.one_in(2) ? synchronisation::synchronous : synchronisation::asynchronous;
         const servobus::errc refusal =
-            begin(servobus::zlac8015d::enable{servobus::checked(wanted), starts},
+            begin(servobus::zlac8015d::enable_in{servobus::checked(wanted), starts},
                   {.name = "enable for moves", .enables = true, .is_carried_out = [this, wanted] {
                        return model().enabled() && model().mode() == wanted;
                    }});
@@ -263,12 +263,12 @@ class wheels final : public facade_of<wheels_participant, servobus::zlac8015d::d
                                                        return is_off() && stands();
                                                    }});
     }
-    servobus::errc enable_in(scene& on) {
+    servobus::errc be_enabled_in(scene& on) {
         static constexpr mode modes[] = {mode::velocity, mode::velocity, mode::torque,
                                          mode::relative_position};
         const mode wanted = modes[on.random.below(4)];
         forget_goals();
-        return begin(servobus::zlac8015d::enable{servobus::checked(wanted)},
+        return begin(servobus::zlac8015d::enable_in{servobus::checked(wanted)},
                      {.name = "enable", .enables = true, .is_carried_out = [this, wanted] {
                           return model().enabled() && model().mode() == wanted;
                       }});

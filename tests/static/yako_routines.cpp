@@ -24,7 +24,7 @@ constexpr routine all[] = {
     tables::init_open_loop,
     tables::mark,
     tables::accept_position,
-    tables::until_arrived,
+    tables::wait_reached,
     tables::after_start,
     tables::feedback,
     tables::stop,

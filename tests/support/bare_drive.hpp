@@ -14,10 +14,8 @@ namespace bare {
 
 using namespace servobus; // NOLINT: as a test has it
 
-enum class drive_state : std::uint8_t { unknown, ready, faulted };
-
 struct settings {
-    drive_state state = drive_state::unknown;
+    drive_state state = drive_state::needs_init;
     steps::recheck witness{}; ///< what the last take-over was given
 };
 
@@ -41,9 +39,10 @@ class model {
     using prepared_command = bare::command;
     using settings = bare::settings;
 
+    static constexpr drive_traits traits{};
     static constexpr register_block image{0x0110, 1};
     static constexpr settings unknown{};
-    static constexpr drive_state enabled = drive_state::ready;
+    static constexpr drive_state enabled = drive_state::enabled;
     static constexpr drive_state faulted = drive_state::faulted;
     static constexpr stop_priority stop_at_fault = stop_priority::halt;
 
@@ -62,7 +61,7 @@ class model {
     }
     constexpr errc learn(const command& c, slice<const std::uint16_t>, settings& known) {
         ++done;
-        if (c.kind == command_kind::take_over || c.makes_known) known = {drive_state::ready, c.witness};
+        if (c.kind == command_kind::take_over || c.makes_known) known = {drive_state::enabled, c.witness};
         return errc::ok;
     }
     constexpr void fail(const command&, routine, const routine_status&, bool, const settings&, duration&) {

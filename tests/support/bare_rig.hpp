@@ -41,9 +41,9 @@ inline constexpr step look_steps[] = {steps::fetch<state>()};
 constexpr bare::command look{.steps = look_steps};
 constexpr bare::command move{.steps = move_steps, .arguments = {100}, .kind = command_kind::endless_motion};
 constexpr bare::command set{.steps = set_steps, .kind = command_kind::setting};
-constexpr bare::command halt{.steps = halt_steps, .stop = stop_priority::halt};
-constexpr bare::command disable{.steps = disable_steps, .stop = stop_priority::disable};
-constexpr bare::command quick_stop{.steps = quick_stop_steps, .stop = stop_priority::quick_stop};
+constexpr bare::command halting{.steps = halt_steps, .stop = stop_priority::halt};
+constexpr bare::command disabling{.steps = disable_steps, .stop = stop_priority::disable};
+constexpr bare::command quick_stopping{.steps = quick_stop_steps, .stop = stop_priority::quick_stop};
 constexpr bare::command take_over{.steps = look_steps, .kind = command_kind::take_over};
 
 struct rig {
@@ -57,7 +57,7 @@ struct rig {
 
     /// `feedback`: the period in which the facade polls; 0: never.
     explicit rig(duration feedback = {}) : drive{on, node<device>{1}, feedback} {
-        bare::model::stops_by = halt;
+        bare::model::stops_by = halting;
         for (const unsigned a : {0x0100u, 0x0101u, 0x0102u, 0x0110u}) file.words[static_cast<u16>(a)] = 0x55;
         port.device = [this](tests::scripted_port& p, const sent_frame& f) {
             if (is_mute) return;

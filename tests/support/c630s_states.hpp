@@ -123,8 +123,8 @@ inline const sim::c630s& factory_drive() {
 using state = bool (*)(rig&);
 inline bool unknown(rig&) { return true; }
 inline bool disabled(rig& r) { return static_cast<bool>(r.drive.run(init{})); }
-inline bool in_speed(rig& r) { return disabled(r) && r.drive.run(enable{control_mode::speed}); }
-inline bool in_torque(rig& r) { return disabled(r) && r.drive.run(enable{control_mode::torque}); }
+inline bool in_speed(rig& r) { return disabled(r) && r.drive.run(enable_in{control_mode::speed}); }
+inline bool in_torque(rig& r) { return disabled(r) && r.drive.run(enable_in{control_mode::torque}); }
 inline bool turning(rig& r) {
     if (!in_speed(r) || !r.drive.run(velocity{60 * r_per_min})) return false;
     r.port.pass(milliseconds(100));
@@ -138,18 +138,20 @@ inline bool pushing(rig& r) {
 }
 inline bool jogging(rig& r) { return in_speed(r) && r.drive.run(jog{60 * r_per_min}); }
 inline bool in_position(rig& r) {
-    return disabled(r) && r.drive.run(position_segments{}) && r.drive.run(enable{control_mode::position}) &&
+    return disabled(r) && r.drive.run(position_segments{}) &&
+           r.drive.run(enable_in{control_mode::position}) &&
            r.drive.run(segment{2, 300 * reference_unit, 60 * r_per_min});
 }
 inline bool moving(rig& r) { return in_position(r) && r.drive.run(start_segment{2}); }
 inline bool in_steps(rig& r) {
     return disabled(r) && r.drive.run(step_size{300 * reference_unit}) &&
-           r.drive.run(enable{control_mode::position, position_source::step});
+           r.drive.run(enable_in{control_mode::position, position_source::step});
 }
 inline bool before_run(rig& r) {
     return disabled(r) && r.drive.run(position_segments{}) &&
            r.drive.run(segment{1, 300 * reference_unit, 60 * r_per_min}) &&
-           r.drive.run(enable{control_mode::position, position_source::segments, segment_mode::sequential});
+           r.drive.run(
+               enable_in{control_mode::position, position_source::segments, segment_mode::sequential});
 }
 inline bool in_run(rig& r) { return before_run(r) && r.drive.run(start_segments{}); }
 inline bool in_segments(rig& r) {
@@ -164,7 +166,7 @@ inline bool before_home(rig& r) {
     return disabled(r) &&
            r.drive.run(homing_by{homing_mode::forward_home_switch, 100 * r_per_min, 30 * r_per_min,
                                  10 * millisecond}) &&
-           r.drive.run(enable{control_mode::position});
+           r.drive.run(enable_in{control_mode::position});
 }
 template <u16 Alarm> bool with(rig& r) {
     if (!disabled(r)) return false;

@@ -19,10 +19,10 @@ using namespace servobus::c630s;
 /// P31-00, the levels of the virtual inputs.
 inline constexpr u16 p31 = virtual_input_levels.address;
 
-inline void enable_in(simulated::driven_c630s& r, control_mode mode,
-                      position_source from = position_source::segments) {
+inline void be_enabled_in(simulated::driven_c630s& r, control_mode mode,
+                          position_source from = position_source::segments) {
     REQUIRE(r.make_ready());
-    REQUIRE(r.drive.run(enable{mode, from}));
+    REQUIRE(r.drive.run(enable_in{mode, from}));
     REQUIRE(r.model.enabled());
     REQUIRE(r.drive.state() == drive_state::enabled);
 }

@@ -21,10 +21,10 @@ inline constexpr auto quick_stop_frame = hex("01 06 20 0E 00 05 23 CA");
 inline constexpr auto fault_reset_frame = hex("01 06 20 0E 00 06 63 CB");
 inline constexpr auto stop_frame = hex("01 06 20 0E 00 07 A2 0B");
 
-inline void enable_in(simulated::driven_zlac8015d& r, operating_mode mode,
-                      synchronisation how = synchronisation::synchronous) {
+inline void be_enabled_in(simulated::driven_zlac8015d& r, operating_mode mode,
+                          synchronisation how = synchronisation::synchronous) {
     REQUIRE(r.drive.run(init{}));
-    REQUIRE(r.drive.run(enable{checked(mode), how}));
+    REQUIRE(r.drive.run(enable_in{checked(mode), how}));
     REQUIRE(r.model.enabled());
     REQUIRE(r.model.mode() == mode);
 }

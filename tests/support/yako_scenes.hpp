@@ -51,8 +51,8 @@ template <class A, class... Commands> void take_homed(A& a, const Commands&... t
 template <class A> void take_low_first(A& a) { take(a, set_word_order{word_order_setting::low_first}); }
 template <class A> void take_limited(A& a) { take(a, limit_travel{5000 * pulse, -5000 * pulse}); }
 template <class A> void take_over_homed(A& a) { take_homed(a, init{}); }
-template <class A> void be_released(A& a) { take(a, release{}); }
-template <class A> void run(A& a) { take(a, jog{60 * r_per_min, 30 * millisecond, 30 * millisecond}); }
+template <class A> void be_released(A& a) { take(a, disable{}); }
+template <class A> void run(A& a) { take(a, velocity{60 * r_per_min, 30 * millisecond, 30 * millisecond}); }
 template <class A> void move_shortly(A& a) { take(a, move_by{20 * pulse, gentle}); }
 template <class A> void move_on(A& a) { take(a, move_by{3000 * pulse, gentle}); }
 template <class A> void move_on_homed(A& a) { take_homed(a, move_by{3000 * pulse, gentle}); }
@@ -112,8 +112,8 @@ template <class A> rows<A> commands_alike() {
     return {
         {"init",                  run<A>,            command_to(init{}),                                     stands<A>},
         {"enable",                be_released<A>,    command_to(enable{}),                                   is_on<A>},
-        {"release",               run<A>,            command_to(release{}),                                  is_off<A>},
-        {"stop",                  run<A>,            command_to(stop{}),                                     stands<A>},
+        {"release",               run<A>,            command_to(disable{}),                                  is_off<A>},
+        {"stop",                  run<A>,            command_to(halt{}),                                     stands<A>},
         {"quick_stop",            run<A>,            command_to(quick_stop{}),                               stands<A>},
         {"fault_reset",           have_an_alarm<A>,  command_to(fault_reset{}),                              is_healthy<A>},
         {"move_by",               take<A>,           command_to(move_by{100 * pulse, brisk}),                always<A>, 100},
@@ -128,7 +128,7 @@ template <class A> rows<A> commands_alike() {
         {"move_to, stored",       take_homed<A>,     command_to(move_to{130 * pulse}),                       always<A>, 100},
         {"move_to, interrupting", move_on_homed<A>,     command_to(move_to{900 * pulse, gentle, interrupt}),    always<A>},
         {"the same, stored",      move_on_homed<A>,  command_to(move_to{900 * pulse, {}, interrupt}),        always<A>},
-        {"jog",                   take<A>,           command_to(jog{60 * r_per_min}),                        runs<A>},
+        {"jog",                   take<A>,           command_to(velocity{60 * r_per_min}),                        runs<A>},
         {"bounded_jog",           take<A>,           command_to(bounded_jog{100 * pulse, brisk}),                  always<A>, 100},
         {"bounded_jog, stored",   take<A>,           command_to(bounded_jog{100 * pulse}),                         always<A>, 100},
         {"declare_position",      take<A>,           command_to(declare_position{70'000 * pulse}),           is_homed<A>, 0},
@@ -136,7 +136,7 @@ template <class A> rows<A> commands_alike() {
         {"accept_position",        take_over_homed<A>, command_to(accept_position{}),                          is_homed<A>, 0},
         {"clear_position",        take_homed<A>,     command_to(clear_position{}),                           has_pair<A, 0x000A, 0, 0>, 0},
         {"wait_standstill",       move_shortly<A>,   command_to(wait_standstill{}),                                    stands<A>},
-        {"until_arrived",         move_shortly<A>,   command_to(until_arrived{}),                            has_arrived<A>},
+        {"wait_reached",         move_shortly<A>,   command_to(wait_reached{}),                            has_arrived<A>},
         {"read_feedback",         take<A>,           command_to(read_feedback{}),                            always<A>, 0},
         {"set_profile",           take<A>,           command_to(set_profile{gentle}),                        has<A, 0x0023, 60>, 0},
         {"set_homing_profile",    take<A>,           command_to(set_homing_profile{90 * r_per_min, 30 * r_per_min}), has_pair<A, 0x0032, 90, 30>, 0},

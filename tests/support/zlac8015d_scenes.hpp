@@ -52,7 +52,7 @@ inline void take_finer(rig& r) {
 }
 template <operating_mode Mode, synchronisation Starts = synchronous> void enabled_in(rig& r) {
     take(r);
-    REQUIRE(r.drive.run(enable{checked(Mode), Starts}));
+    REQUIRE(r.drive.run(enable_in{checked(Mode), Starts}));
 }
 inline void run_at_speed(rig& r) {
     enabled_in<operating_mode::velocity>(r);
@@ -153,11 +153,11 @@ template <class Command> auto command_to(Command wanted) {
 // clang-format off
 const row commands[] = {
     {"init",                 run_unknown,                                 command_to(init{}),                             rests},
-    {"enable, velocity",     take,                                        command_to(enable{operating_mode::velocity}),   is_in<operating_mode::velocity>},
-    {"enable, finer",        take_finer,                                  command_to(enable{operating_mode::velocity}),   is_in<operating_mode::velocity>},
-    {"enable, torque",       take,                                        command_to(enable{operating_mode::torque}),     is_in<operating_mode::torque>},
-    {"enable, relative",     take,                                        command_to(enable{relative_position}),          is_in<relative_position>},
-    {"enable, absolute",     take,                                        command_to(enable{absolute_position}),          is_in<absolute_position>},
+    {"enable, velocity",     take,                                        command_to(enable_in{operating_mode::velocity}),   is_in<operating_mode::velocity>},
+    {"enable, finer",        take_finer,                                  command_to(enable_in{operating_mode::velocity}),   is_in<operating_mode::velocity>},
+    {"enable, torque",       take,                                        command_to(enable_in{operating_mode::torque}),     is_in<operating_mode::torque>},
+    {"enable, relative",     take,                                        command_to(enable_in{relative_position}),          is_in<relative_position>},
+    {"enable, absolute",     take,                                        command_to(enable_in{absolute_position}),          is_in<absolute_position>},
     {"disable",              run_at_speed,                                command_to(disable{}),                          rests},
     {"disable, unknown",     run_unknown,                                 command_to(disable{}),                          rests},
     {"halt, velocity",       run_at_speed,                                command_to(halt{}),                             has_halted<0x2088>},
@@ -182,8 +182,8 @@ const row commands[] = {
     {"move_left_to",         enabled_in<absolute_position, asynchronous>, command_to(move_left_to{60 * pulse}),           has_started},
     {"move_right_to",        enabled_in<absolute_position, asynchronous>, command_to(move_right_to{60 * pulse}),          has_started},
     {"stand",                run_to_a_place,                              command_to(wait_standstill{}),                            stands},
-    {"until_arrived",        run_to_a_place,                              command_to(until_arrived{milliseconds(5'000)}), has_arrived},
-    {"until_arrived, left",  run_left_alone,                              command_to(until_arrived{milliseconds(5'000), wheels::left}), has_arrived_left},
+    {"wait_reached",         run_to_a_place,                              command_to(wait_reached{milliseconds(5'000)}), has_arrived},
+    {"wait_reached, left",   run_left_alone,                              command_to(wait_wheels_reached{wheels::left, milliseconds(5'000)}), has_arrived_left},
     {"read_feedback",        enabled_in<operating_mode::velocity>,        command_to(read_feedback{}),                    always},
     {"read_feedback, mode",  look_late,                                   command_to(read_feedback{}),                    always},
     {"read_feedback, fault", have_a_fault,                                command_to(read_feedback{}),                    is_off},
@@ -219,7 +219,7 @@ inline bool ends_well(const row& o, const options& of) {
     if (of.after_quick_stop == options::stopped::locked && o.is_done == is_held) return false;
     if (of.code == options::fault_code::until_restart && o.name == "fault_reset") return false;
     const bool needs_standstill = has(o.name, "move_") || has(o.name, "stand") ||
-                                  has(o.name, "until_arrived") || has(o.name, "halt, velocity") ||
+                                  has(o.name, "wait_reached") || has(o.name, "halt, velocity") ||
                                   has(o.name, "halt, torque");
     return of.bit != options::running::enabled || !needs_standstill;
 }

@@ -34,7 +34,7 @@ bool is_fast() {
 extern "C" bool job() {
     using namespace zlac8015d;
     using units::r_per_min;
-    if (!all.run(robot, init{}) || !all.run(robot, enable{operating_mode::velocity}) ||
+    if (!all.run(robot, init{}) || !all.run(robot, enable_in{operating_mode::velocity}) ||
         !all.run(robot, velocity{30 * r_per_min, 30 * r_per_min}))
         return false;
     for (int i = 0; i < 1000 && !is_fast(); ++i) (void)all.step();

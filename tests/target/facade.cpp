@@ -21,7 +21,7 @@ zlac8015d::drive robot{line_1, 1, unsupervised};
 extern "C" bool job() {
     using namespace zlac8015d;
     using units::r_per_min;
-    return robot.run(init{}) && robot.run(enable{operating_mode::velocity}) &&
+    return robot.run(init{}) && robot.run(enable_in{operating_mode::velocity}) &&
            robot.run(velocity{30 * r_per_min, 30 * r_per_min}) && robot.run(disable{}) &&
            simulated_drive::has_run();
 }

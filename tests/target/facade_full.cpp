@@ -21,7 +21,8 @@ wire line_1{port_1, modbus::timing_at(115200)};
 zlac8015d::drive robot{line_1, 1, {.feedback = milliseconds(20), .command_timeout = milliseconds(300)}};
 
 bool drives() {
-    if (!robot.run(enable{operating_mode::velocity}) || !robot.run(velocity{30 * r_per_min, 30 * r_per_min}))
+    if (!robot.run(enable_in{operating_mode::velocity}) ||
+        !robot.run(velocity{30 * r_per_min, 30 * r_per_min}))
         return false;
     const result<feedback> seen = robot.read();
     return seen && seen->left_speed == 30 * r_per_min && robot.run(halt{}) &&
@@ -29,15 +30,15 @@ bool drives() {
 }
 
 bool moves() {
-    return robot.run(enable{operating_mode::relative_position}) &&
-           robot.run(move_by{4096 * pulse, -4096 * pulse}, until_arrived{milliseconds(5000)}).how ==
+    return robot.run(enable_in{operating_mode::relative_position}) &&
+           robot.run(move_by{4096 * pulse, -4096 * pulse}, wait_reached{milliseconds(5000)}).how ==
                arrival_state::reached;
 }
 
 bool recovers() {
     simulated_drive::set_fault(static_cast<std::uint32_t>(fault::overcurrent));
     const result<feedback> seen = robot.read();
-    return seen && seen->any_fault() && robot.state() == drive_state::faulted && robot.run(fault_reset{});
+    return seen && seen->has_fault() && robot.state() == drive_state::faulted && robot.run(fault_reset{});
 }
 
 } // namespace

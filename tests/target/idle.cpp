@@ -27,7 +27,7 @@ extern "C" {
 bool job() {
     using namespace zlac8015d;
     using units::r_per_min;
-    if (!robot.run(init{}) || !robot.run(enable{operating_mode::velocity}) ||
+    if (!robot.run(init{}) || !robot.run(enable_in{operating_mode::velocity}) ||
         !robot.run(velocity{30 * r_per_min, 30 * r_per_min}))
         return false;
     const std::uint32_t answered = simulated_drive::answered();

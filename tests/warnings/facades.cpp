@@ -26,11 +26,11 @@ bool turns(zlac8015d::drive<wire>& wheels) {
 }
 bool moves(yako::closed_loop::drive<wire>& lift) {
     using namespace yako;
-    return lift.run(init{}) && lift.run(enable{}) && lift.run(release{}) && lift.feedback(milliseconds(100));
+    return lift.run(init{}) && lift.run(enable{}) && lift.run(disable{}) && lift.feedback(milliseconds(100));
 }
 bool moves(yako::open_loop::drive<wire>& lift) {
     using namespace yako;
-    return lift.run(init{}) && lift.run(enable{}) && lift.run(release{}) && lift.feedback(milliseconds(100));
+    return lift.run(init{}) && lift.run(enable{}) && lift.run(disable{}) && lift.feedback(milliseconds(100));
 }
 bool moves(c630s::drive<wire>& spindle) {
     using namespace c630s;

@@ -15,11 +15,13 @@
 #include <cstdint>
 
 #include <servobus/client/node.hpp>
+#include <servobus/control/common_commands.hpp>
 #include <servobus/control/detail/drive_link.hpp>
 #include <servobus/control/detail/held_reading.hpp>
 #include <servobus/control/detail/polling.hpp>
 #include <servobus/control/detail/routine_run.hpp>
 #include <servobus/control/detail/supervisors.hpp>
+#include <servobus/control/drive_traits.hpp>
 #include <servobus/control/scheduling.hpp>
 #include <servobus/control/states.hpp>
 #include <servobus/control/supervision.hpp>
@@ -32,7 +34,8 @@ template <class Model, class Line> class facade {
   public:
     using prepared_command = typename Model::prepared_command;
     using settings = typename Model::settings;
-    using state_type = decltype(settings::state);
+    /// In which respects the drive differs from others.
+    static constexpr drive_traits traits = Model::traits;
 
     // An exchange refers to this object's buffers.
     facade(const facade&) = delete;
@@ -43,7 +46,7 @@ template <class Model, class Line> class facade {
     /// How the application's last command ended; meaningful when idle.
     constexpr const routine_status& last() const { return report_; }
     /// `faulted` if the last feedback shows a fault.
-    constexpr state_type state() const {
+    constexpr drive_state state() const {
         return is_known() && is_faulted() ? Model::faulted : settings_.state;
     }
     /// What is known of the drive's settings.
@@ -59,7 +62,7 @@ template <class Model, class Line> class facade {
     /// Runs a command to its end. Waits; bounded by the routine's limits. The command timeout begins again
     /// meanwhile. Errors: the command's own; `preempted` if a stop replaced it.
     template <class Wanted> routine_status run(const Wanted& wanted) {
-        prepared_command next = wanted.plan(valid_settings());
+        prepared_command next = commands::prepared(wanted, valid_settings());
         return run_planned(next);
     }
 
@@ -68,7 +71,7 @@ template <class Model, class Line> class facade {
     /// `needs_init`; `faulted`; `bad_argument` for a node address that the device cannot have, a feedback period
     /// that is shorter than its frame and response, or a drive that its bus refuses. Nothing is sent then.
     template <class Wanted> [[nodiscard]] constexpr errc begin(const Wanted& wanted) {
-        prepared_command next = wanted.plan(valid_settings());
+        prepared_command next = commands::prepared(wanted, valid_settings());
         return accept(next);
     }
 

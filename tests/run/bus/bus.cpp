@@ -161,7 +161,7 @@ TEST_CASE(
     rig r;
     REQUIRE(r.command(r.wheels, zlac8015d::init{}));
     REQUIRE(r.command(r.lift, yako::init{}));
-    REQUIRE(r.command(r.wheels, zlac8015d::enable{zlac8015d::operating_mode::velocity}));
+    REQUIRE(r.command(r.wheels, zlac8015d::enable_in{zlac8015d::operating_mode::velocity}));
     REQUIRE(r.command(r.wheels, zlac8015d::velocity{30 * r_per_min, 30 * r_per_min}));
     r.run(100);
     const std::uint32_t before[] = {r.all.count(0), r.all.count(1), r.all.count(2)};
@@ -263,7 +263,7 @@ TEST_CASE("G25: a stop has left within the plan's bound, whatever else is in pro
         rig r;
         REQUIRE(r.command(r.wheels, zlac8015d::init{}));
         REQUIRE(r.command(r.lift, yako::init{}));
-        REQUIRE(r.command(r.wheels, zlac8015d::enable{zlac8015d::operating_mode::velocity}));
+        REQUIRE(r.command(r.wheels, zlac8015d::enable_in{zlac8015d::operating_mode::velocity}));
         REQUIRE(r.command(r.wheels, zlac8015d::velocity{30 * r_per_min, 30 * r_per_min}));
         if (offset % 2 == 1) r.wire.set_connected(1, false); // the lift does not respond
         r.run(50);
@@ -337,7 +337,7 @@ TEST_CASE("G19: a drive with a watchdog gets a request in time, whichever other 
         REQUIRE(r.command(r.wheels, zlac8015d::init{}));
         REQUIRE(r.command(r.lift, yako::init{}));
         REQUIRE(r.command(r.wheels, zlac8015d::watchdog{1000 * millisecond}));
-        REQUIRE(r.command(r.wheels, zlac8015d::enable{zlac8015d::operating_mode::velocity}));
+        REQUIRE(r.command(r.wheels, zlac8015d::enable_in{zlac8015d::operating_mode::velocity}));
         REQUIRE(r.command(r.wheels, zlac8015d::velocity{30 * r_per_min, 30 * r_per_min}));
         sim::dice random{seed};
         std::uint64_t last = r.wire.time_us();
@@ -414,7 +414,7 @@ TEST_CASE("G28: when all nodes are absent, each is found again within the stated
 TEST_CASE("G26: a stop without a confirmation is repeated until the drive confirms it") {
     rig r;
     REQUIRE(r.command(r.wheels, zlac8015d::init{}));
-    REQUIRE(r.command(r.wheels, zlac8015d::enable{zlac8015d::operating_mode::velocity}));
+    REQUIRE(r.command(r.wheels, zlac8015d::enable_in{zlac8015d::operating_mode::velocity}));
     REQUIRE(r.command(r.wheels, zlac8015d::velocity{30 * r_per_min, 30 * r_per_min}));
     r.run(500);
     r.wire.set_connected(0, false);
@@ -434,7 +434,7 @@ TEST_CASE("G19, G26: stops that are repeated to an absent drive alternate with t
     REQUIRE(r.command(r.lift, yako::init{}));
     r.run(500);
     r.wire.set_connected(1, false);
-    CHECK_FALSE(r.command(r.lift, yako::stop{}));
+    CHECK_FALSE(r.command(r.lift, yako::halt{}));
     r.run(2000);
     const std::size_t seen = r.requests.size();
     r.run(10'000);
@@ -534,13 +534,13 @@ TEST_CASE("a blocking command of one drive runs to its end while the bus continu
     r.all.run_for(milliseconds(1000));
     CHECK(r.all.count(0) - before >= 19);
     REQUIRE(r.all.run(r.lift, yako::enable{}));
-    const yako::arrival there = r.all.run(r.lift, yako::move_by{2000 * pulse}, yako::until_arrived{});
+    const yako::arrival there = r.all.run(r.lift, yako::move_by{2000 * pulse}, yako::wait_reached{});
     CHECK(there.how == arrival_state::reached);
     CHECK(r.lift_model.view().position == 2000);
     CHECK(r.all.count(0) - before >= 25);
-    REQUIRE(r.all.run(r.wheels, zlac8015d::enable{zlac8015d::operating_mode::relative_position}));
+    REQUIRE(r.all.run(r.wheels, zlac8015d::enable_in{zlac8015d::operating_mode::relative_position}));
     const auto turned =
-        r.all.run(r.wheels, zlac8015d::move_by{4096 * pulse, -4096 * pulse}, zlac8015d::until_arrived{});
+        r.all.run(r.wheels, zlac8015d::move_by{4096 * pulse, -4096 * pulse}, zlac8015d::wait_reached{});
     CHECK(turned.how == arrival_state::reached);
 }
 

@@ -72,7 +72,7 @@ TEST_CASE(
     CHECK(seen.all.empty());
     CHECK_FALSE(lift.feedback(milliseconds(100)));
     m.wire.set_connected(1, true);
-    CHECK(all.run(lift, yako::release{}));
+    CHECK(all.run(lift, yako::disable{}));
     for (const auto& f : seen.all) CHECK(f[0] == 2);
 }
 
@@ -114,7 +114,7 @@ TEST_CASE("G25: the stop of a command timeout has left within the plan's bound a
         REQUIRE(p.command(p.lift, yako::init{}));
         REQUIRE(p.command(p.lift, yako::enable{}));
         p.lift.set_command_timeout(milliseconds(300));
-        REQUIRE(p.command(p.lift, yako::jog{30 * r_per_min}));
+        REQUIRE(p.command(p.lift, yako::velocity{30 * r_per_min}));
         m.wire.set_connected(0, false); // the wheels do not respond
         m.wire.pass(microseconds(k * 1277u));
         while (p.lift.is_idle()) p.turn();
@@ -152,8 +152,8 @@ TEST_CASE("G19: a wait for the end of a move keeps the drive's watchdog from exp
     using namespace zlac8015d;
     REQUIRE(all.run(wheels, init{}));
     REQUIRE(all.run(wheels, watchdog{400 * millisecond}));
-    REQUIRE(all.run(wheels, enable{operating_mode::relative_position}));
-    const auto there = all.run(wheels, move_by{40960 * pulse, 40960 * pulse}, until_arrived{});
+    REQUIRE(all.run(wheels, enable_in{operating_mode::relative_position}));
+    const auto there = all.run(wheels, move_by{40960 * pulse, 40960 * pulse}, wait_reached{});
     CHECK(there.how == arrival_state::reached);
     CHECK_FALSE(m.wheels_model.in_watchdog_stop());
 }
@@ -196,7 +196,7 @@ TEST_CASE(
     lift.set_command_timeout(no_command_timeout);
     REQUIRE(all.run(lift, yako::init{}));
     REQUIRE(all.run(lift, yako::enable{}));
-    REQUIRE(all.run(lift, yako::jog{30 * r_per_min}));
+    REQUIRE(all.run(lift, yako::velocity{30 * r_per_min}));
     all.run_for(milliseconds(300));
     m.wire.set_connected(1, false);
     REQUIRE_FALSE(all.run(lift, yako::quick_stop{}));
@@ -211,11 +211,11 @@ TEST_CASE("G26: a weaker stop that fails too leaves the stronger one to be repea
     REQUIRE(p.command(p.lift, yako::init{}));
     REQUIRE(p.command(p.lift, yako::enable{}));
     m.wire.set_connected(1, false);
-    REQUIRE_FALSE(p.command(p.lift, yako::release{}));
+    REQUIRE_FALSE(p.command(p.lift, yako::disable{}));
     errc refused = errc::busy;
     while (refused == errc::busy) {
         p.turn();
-        refused = p.lift.begin(yako::stop{});
+        refused = p.lift.begin(yako::halt{});
     }
     while (!p.lift.is_idle()) p.turn();
     m.wire.set_connected(1, true);

@@ -157,7 +157,7 @@ TEST_CASE(
         wire.jumps_at = ~std::uint64_t{0};
         REQUIRE(command(lift, yako::init{}));
         REQUIRE(command(wheels, zlac8015d::init{}));
-        REQUIRE(command(wheels, zlac8015d::enable{zlac8015d::operating_mode::velocity}));
+        REQUIRE(command(wheels, zlac8015d::enable_in{zlac8015d::operating_mode::velocity}));
         run(20);
         const zlac8015d::velocity slow{30 * r_per_min, 30 * r_per_min};
         wire.jumps_at = wire.looks + looks;

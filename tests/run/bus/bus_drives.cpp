@@ -72,7 +72,7 @@ TEST_CASE("G20: a blocking command of a bus is a sign of life for its own drive,
     }
     SUBCASE("a long move of the lift") {
         const std::uint64_t begun = m.wire.time_us();
-        const auto there = all.run(lift, yako::move_by{20'000 * pulse}, yako::until_arrived{});
+        const auto there = all.run(lift, yako::move_by{20'000 * pulse}, yako::wait_reached{});
         CHECK(there.how == arrival_state::reached);
         REQUIRE(m.wire.time_us() - begun > 1'500'000);
     }
@@ -103,7 +103,7 @@ TEST_CASE("a bus refuses a drive on another line, and polls it no more") {
 TEST_CASE("a move that a bus cannot begin has no arrival") {
     wheels_and_lift m;
     tests::wheels_and_lift_program p{m.wire};
-    const auto end = zlac8015d::until_arrived{milliseconds(1000)};
+    const auto end = zlac8015d::wait_reached{milliseconds(1000)};
     const zlac8015d::arrival came = p.all.run(p.wheels, zlac8015d::move_by{100 * pulse, 100 * pulse}, end);
     CHECK(came.how == arrival_state::none);
     CHECK(p.wheels.last().error() == errc::needs_init);

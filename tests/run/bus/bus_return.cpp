@@ -53,7 +53,7 @@ struct rig : tests::wheels_and_lift {
         REQUIRE(command(p.wheels, zlac8015d::init{}));
         REQUIRE(command(p.lift, yako::init{}));
         REQUIRE(command(p.wheels, zlac8015d::watchdog{1000 * millisecond}));
-        REQUIRE(command(p.wheels, zlac8015d::enable{zlac8015d::operating_mode::velocity}));
+        REQUIRE(command(p.wheels, zlac8015d::enable_in{zlac8015d::operating_mode::velocity}));
         REQUIRE(command(p.wheels, zlac8015d::velocity{30 * r_per_min, 30 * r_per_min}));
         loop(1000);
         REQUIRE_FALSE(wheels_model.stands_still());
@@ -69,7 +69,7 @@ TEST_CASE(
     rig r;
     REQUIRE(r.command(r.p.lift, yako::init{}));
     REQUIRE(r.command(r.p.lift, yako::enable{}));
-    REQUIRE(r.command(r.p.lift, yako::jog{30 * r_per_min}));
+    REQUIRE(r.command(r.p.lift, yako::velocity{30 * r_per_min}));
     r.wire.set_connected(1, false);
     REQUIRE_FALSE(r.command(r.p.lift, yako::quick_stop{}));
     routine_status taken_over;
@@ -85,7 +85,7 @@ TEST_CASE(
     CHECK_FALSE(r.lift_model.view().is_moving);
     REQUIRE(r.command(r.p.lift, yako::init{}));
     REQUIRE(r.command(r.p.lift, yako::enable{}));
-    REQUIRE(r.command(r.p.lift, yako::jog{30 * r_per_min}));
+    REQUIRE(r.command(r.p.lift, yako::velocity{30 * r_per_min}));
     r.loop(3000);
     CHECK(r.lift_model.view().is_moving); // the stop is not repeated any more
 }

@@ -51,7 +51,7 @@ struct rig : tests::wheels_and_lift, tests::wheels_and_lift_program, ear {
     void enable_wheels(operating_mode mode = operating_mode::velocity) {
         REQUIRE(command(wheels, zlac8015d::init{}));
         REQUIRE(command(lift, yako::init{}));
-        REQUIRE(command(wheels, zlac8015d::enable{checked(mode)}));
+        REQUIRE(command(wheels, zlac8015d::enable_in{checked(mode)}));
     }
     void drive_wheels() {
         enable_wheels();
@@ -164,7 +164,7 @@ TEST_CASE("S3: the read that follows a start without a response is not the first
         CAPTURE(turns);
         facade_alone f;
         f.command(zlac8015d::init{});
-        f.command(zlac8015d::enable{operating_mode::relative_position});
+        f.command(zlac8015d::enable_in{operating_mode::relative_position});
         REQUIRE(f.wheels.begin(zlac8015d::move_by{40000 * pulse, 40000 * pulse}) == errc::ok);
         while (f.model.starts() == 0) f.turn();
         f.wire.faults().lost_response = 1000;

@@ -105,7 +105,7 @@ struct rig {
         r.open.clear();
     }
     void enable() {
-        REQUIRE(all.run(wheels, zlac8015d::enable{zlac8015d::operating_mode::velocity}));
+        REQUIRE(all.run(wheels, zlac8015d::enable_in{zlac8015d::operating_mode::velocity}));
         REQUIRE(all.run(wheels, zlac8015d::velocity{30 * r_per_min, 30 * r_per_min}));
     }
     std::size_t count_to(std::uint8_t address) const {
@@ -209,7 +209,7 @@ TEST_CASE(
             during += is_sensor ? 1u : 0u;
             while (!r.wheels.is_idle()) turn(r, sensor_of_program, second_of_program);
             REQUIRE(r.wheels.last());
-            REQUIRE(r.wheels.begin(zlac8015d::enable{zlac8015d::operating_mode::velocity}) == errc::ok);
+            REQUIRE(r.wheels.begin(zlac8015d::enable_in{zlac8015d::operating_mode::velocity}) == errc::ok);
             while (!r.wheels.is_idle()) turn(r, sensor_of_program, second_of_program);
             REQUIRE(r.wheels.last());
         }

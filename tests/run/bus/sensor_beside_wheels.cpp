@@ -109,7 +109,7 @@ struct rig {
     }
     void drive() {
         if (wheels.state() == zlac8015d::drive_state::needs_init) command(zlac8015d::init{});
-        command(zlac8015d::enable{zlac8015d::operating_mode::velocity});
+        command(zlac8015d::enable_in{zlac8015d::operating_mode::velocity});
         next_setpoint_us = wire.time_us();
         run(500);
     }

@@ -141,7 +141,7 @@ template <const auto& Plan> std::uint64_t longest_of(const play& how, std::uint3
         r.wire.set_connected(0, true);
         r.run(100'000);
         if (r.wheels.state() == zlac8015d::drive_state::needs_init) REQUIRE(r.command(zlac8015d::init{}));
-        REQUIRE(r.command(zlac8015d::enable{zlac8015d::operating_mode::velocity}));
+        REQUIRE(r.command(zlac8015d::enable_in{zlac8015d::operating_mode::velocity}));
         REQUIRE(r.command(zlac8015d::velocity{30 * r_per_min, 30 * r_per_min}));
         r.run(5'000 + k * 733 % 20'000);
         if (k % 3 == 0) (void)r.wheels.begin(zlac8015d::velocity{20 * r_per_min, 20 * r_per_min});

@@ -21,11 +21,17 @@ TEST_CASE("during the stop of the command timeout the application's stop is acce
         bare::command wanted;
         bool is_taken;
     };
-    const scene all[] = {
-        {halt, halt, true},        {halt, disable, true},        {halt, quick_stop, true},
-        {disable, halt, false},    {disable, disable, true},     {disable, quick_stop, true},
-        {quick_stop, halt, false}, {quick_stop, disable, false}, {quick_stop, quick_stop, true},
-        {halt, look, false},       {halt, move, false}};
+    const scene all[] = {{halting, halting, true},
+                         {halting, disabling, true},
+                         {halting, quick_stopping, true},
+                         {disabling, halting, false},
+                         {disabling, disabling, true},
+                         {disabling, quick_stopping, true},
+                         {quick_stopping, halting, false},
+                         {quick_stopping, disabling, false},
+                         {quick_stopping, quick_stopping, true},
+                         {halting, look, false},
+                         {halting, move, false}};
     for (const scene& s : all) {
         CAPTURE(static_cast<int>(s.watched.stop));
         CAPTURE(static_cast<int>(s.wanted.stop));
@@ -50,11 +56,18 @@ TEST_CASE("a stop of the application is replaced only by a stop of higher priori
         bare::command second;
         bool is_taken;
     };
-    const scene all[] = {
-        {halt, halt, false},       {halt, disable, true},        {halt, quick_stop, true},
-        {disable, halt, false},    {disable, disable, false},    {disable, quick_stop, true},
-        {quick_stop, halt, false}, {quick_stop, disable, false}, {quick_stop, quick_stop, false},
-        {look, look, false},       {look, halt, true},           {move, quick_stop, true}};
+    const scene all[] = {{halting, halting, false},
+                         {halting, disabling, true},
+                         {halting, quick_stopping, true},
+                         {disabling, halting, false},
+                         {disabling, disabling, false},
+                         {disabling, quick_stopping, true},
+                         {quick_stopping, halting, false},
+                         {quick_stopping, disabling, false},
+                         {quick_stopping, quick_stopping, false},
+                         {look, look, false},
+                         {look, halting, true},
+                         {move, quick_stopping, true}};
     for (const scene& s : all) {
         CAPTURE(static_cast<int>(s.first.stop));
         CAPTURE(static_cast<int>(s.second.stop));
@@ -84,7 +97,7 @@ TEST_CASE("G26: a stop that does not read back is tried three times, and then re
             } else {
                 r.file.words[0x0100] = 100;
                 r.ignores = ignored;
-                const routine_status stopped = r.drive.run(halt);
+                const routine_status stopped = r.drive.run(halting);
                 CHECK(static_cast<bool>(stopped) == (ignored < 3));
                 if (ignored >= 3) CHECK(stopped.error() == errc::unexpected_value);
                 r.loop(50);
@@ -105,7 +118,7 @@ TEST_CASE("G26: each stop has its three tries, however many the previous one use
         r.file.words[0x0100] = 100;
         r.port.frames.clear();
         r.ignores = 2;
-        CHECK(r.drive.run(halt));
+        CHECK(r.drive.run(halting));
         CHECK(r.halts() == 3);
     }
 }
@@ -130,7 +143,7 @@ TEST_CASE("G26: each stop of the command timeout has its three tries, and stays 
         const std::uint64_t end = r.port.time + 1'000'000;
         while (r.halts() < 2 && r.port.time < end) r.turn();
         REQUIRE(r.halts() == 2);
-        CHECK(r.drive.begin(halt) == errc::ok);
+        CHECK(r.drive.begin(halting) == errc::ok);
         r.loop(40);
         CHECK(r.drive.last());
     }
@@ -143,7 +156,7 @@ TEST_CASE(
         rig r;
         if (repeats) r.drive.repeat_stops(milliseconds(300));
         r.is_mute = true;
-        CHECK(r.drive.run(halt).outcome() == outcome::unknown);
+        CHECK(r.drive.run(halting).outcome() == outcome::unknown);
         const std::size_t tried = r.halts();
         CHECK(tried == 3); // those of a stop without a response
         r.loop(3000);
@@ -164,14 +177,14 @@ TEST_CASE("G19: three frames of a stop go before all others, and its repetitions
     SUBCASE("the application's stop") {
         r.drive.repeat_stops(milliseconds(100));
         r.is_mute = true;
-        CHECK_FALSE(r.drive.run(halt));
+        CHECK_FALSE(r.drive.run(halting));
         CHECK(r.hasty_frames() == behind_the_first);
         r.loop(5000);
         CHECK(r.halts() > 9);
         CHECK(r.hasty_frames() == behind_the_first);
         SUBCASE("commanded again") {
             r.port.frames.clear();
-            CHECK_FALSE(r.drive.run(halt));
+            CHECK_FALSE(r.drive.run(halting));
             CHECK(r.hasty_frames() >= behind_the_first);
         }
     }
@@ -207,7 +220,7 @@ TEST_CASE("G25: a stop that could not be sent keeps its priority until it can") 
         }
         r.port.lost_from_call = r.port.calls + 1;
         r.port.frames.clear();
-        if (!is_watched) CHECK(r.drive.run(halt).outcome() == outcome::not_sent);
+        if (!is_watched) CHECK(r.drive.run(halting).outcome() == outcome::not_sent);
         r.loop(1000);
         r.port.lost_from_call = 0;
         bool was_urgent = false;
@@ -224,7 +237,7 @@ TEST_CASE("G25: a stop that could not be sent keeps its priority until it can") 
 TEST_CASE("G25: a stop that does not read back is tried again with the priority that it has left") {
     rig r;
     r.ignores = 3;
-    REQUIRE(r.drive.begin(halt) == errc::ok);
+    REQUIRE(r.drive.begin(halting) == errc::ok);
     bool was_urgent = false;
     unsigned urgent_halts = 0;
     while (!r.drive.is_idle()) {
@@ -244,7 +257,7 @@ TEST_CASE("G26: the application's next motion ends the repetition of its stop on
     rig r;
     r.drive.repeat_stops(milliseconds(300));
     r.is_mute = true;
-    CHECK_FALSE(r.drive.run(halt));
+    CHECK_FALSE(r.drive.run(halting));
     r.is_mute = false;
     CHECK(r.drive.run(move));
     r.port.frames.clear();
@@ -257,7 +270,7 @@ TEST_CASE("G26: a motion that fails, or a command that is no motion, leaves the 
     rig r;
     r.drive.repeat_stops(milliseconds(300));
     r.is_mute = true;
-    CHECK_FALSE(r.drive.run(halt));
+    CHECK_FALSE(r.drive.run(halting));
     SUBCASE("a motion without a response") { CHECK_FALSE(r.drive.run(move)); }
     r.is_mute = false;
     SUBCASE("a read") { CHECK(r.drive.run(look)); }
@@ -273,7 +286,7 @@ TEST_CASE("G20: while a stop of the application is in progress the command timeo
     REQUIRE(r.drive.run(move));
     r.is_mute = true;
     r.port.frames.clear();
-    const routine_status stopped = r.drive.run(quick_stop); // 3 tries of 100 ms and more
+    const routine_status stopped = r.drive.run(quick_stopping); // 3 tries of 100 ms and more
     CHECK(stopped.outcome() == outcome::unknown);
     CHECK(stopped.error() == errc::timeout);
     CHECK(r.writes_to(0x0101, 5) == 3);
@@ -287,15 +300,15 @@ TEST_CASE("a stop that interrupts a change of settings invalidates the drive sta
     rig r;
     REQUIRE(r.drive.begin(move) == errc::ok);
     while (r.port.frames.empty()) r.turn();
-    CHECK(r.drive.begin(halt) == errc::ok);
+    CHECK(r.drive.begin(halting) == errc::ok);
     r.loop(50);
     CHECK(r.drive.last());
-    CHECK(r.drive.state() == bare::drive_state::ready);
+    CHECK(r.drive.state() == drive_state::enabled);
     r.port.frames.clear();
     REQUIRE(r.drive.begin(set) == errc::ok);
     while (r.port.frames.empty()) r.turn();
-    CHECK(r.drive.begin(halt) == errc::ok);
-    CHECK(r.drive.state() == bare::drive_state::unknown);
+    CHECK(r.drive.begin(halting) == errc::ok);
+    CHECK(r.drive.state() == drive_state::needs_init);
     r.loop(50);
     CHECK(r.drive.last());
 }
@@ -320,7 +333,7 @@ TEST_CASE("what a command may have changed decides whether the state is known af
         r.is_mute = s.is_mute;
         r.ignores = s.is_ignored ? 1 : 0;
         CHECK_FALSE(r.drive.run(s.what));
-        CHECK((r.drive.state() == bare::drive_state::ready) == s.is_known);
+        CHECK((r.drive.state() == drive_state::enabled) == s.is_known);
         CHECK(r.drive.failed() == (s.is_known ? 0u : 1u));
     }
 }
@@ -333,7 +346,7 @@ TEST_CASE("G26: another command timeout leaves the period of repeated stops that
         r.drive.set_command_timeout(milliseconds(5000));
         r.drive.set_command_timeout(no_command_timeout);
         r.is_mute = true;
-        CHECK_FALSE(r.drive.run(halt));
+        CHECK_FALSE(r.drive.run(halting));
         const std::size_t tried = r.halts();
         r.loop(2000);
         CHECK((r.halts() > tried) == is_set);

@@ -100,7 +100,7 @@ TEST_CASE("G36: the feedback is busy while a drive is taken over again") {
     REQUIRE(r.drive.check_feedback(milliseconds(30)) == errc::ok);
     REQUIRE(r.drive.begin(bare_rigs::take_over) == errc::ok);
     while (!r.drive.is_idle()) {
-        REQUIRE(r.drive.state() == bare::drive_state::ready); // as before
+        REQUIRE(r.drive.state() == drive_state::enabled); // as before
         REQUIRE(r.drive.check_feedback(milliseconds(30)) == errc::busy);
         r.turn();
     }
@@ -113,7 +113,7 @@ TEST_CASE("G36: a drive whose feedback was never read has none, however young th
     bare_rigs::rig r;
     bare::drive<bare_rigs::rig::line_type> drive{r.on, node<bare_rigs::device>{1}, milliseconds(20)};
     REQUIRE(drive.run(become_known));
-    REQUIRE(drive.state() == bare::drive_state::ready);
+    REQUIRE(drive.state() == drive_state::enabled);
     CHECK(drive.check_feedback(milliseconds(60'000)) == errc::timeout);
     for (int i = 0; i < 100; ++i) {
         (void)drive.step();
@@ -139,7 +139,7 @@ TEST_CASE(
 TEST_CASE("G36: a long response between a position and the status that confirms it leaves both right") {
     polled p;
     p.set_up();
-    REQUIRE(p.servo.run(c630s::enable{c630s::control_mode::position}));
+    REQUIRE(p.servo.run(c630s::enable_in{c630s::control_mode::position}));
     const std::int32_t there = p.servo.feedback(milliseconds(2000))->position.count();
     unsigned read = 0;
     for (std::uint32_t phase = 0; phase < 200; ++phase) {

@@ -77,7 +77,7 @@ TEST_CASE("S1: a drive that is to be checked, and of which nothing is known befo
     r.loop(2000);
     bare::model::judges = [](std::uint16_t) { return verdict::as_expected; };
     CHECK(r.port.frames.empty());
-    CHECK(r.drive.state() == bare::drive_state::unknown);
+    CHECK(r.drive.state() == drive_state::needs_init);
 }
 
 TEST_CASE("a drive that is to be checked and has nothing that a restart would change is only polled") {
@@ -153,7 +153,7 @@ TEST_CASE("G20, G21: a change of settings that the command timeout cuts leaves t
         r.port.frames.clear();
         while (r.halts() == 0) r.turn();
         CHECK(r.drive.last().error() == errc::command_timeout);
-        CHECK((r.drive.state() == bare::drive_state::unknown) == is_setting);
+        CHECK((r.drive.state() == drive_state::needs_init) == is_setting);
     }
 }
 
@@ -163,7 +163,7 @@ TEST_CASE("G26: the command timeout's stop is no more urgent than a stop that is
     r.drive.repeat_stops(milliseconds(60'000));
     REQUIRE(r.drive.run(move));
     r.is_mute = true;
-    CHECK_FALSE(r.drive.run(halt));
+    CHECK_FALSE(r.drive.run(halting));
     r.port.frames.clear();
     r.loop(1000);
     CHECK(r.halts() == 3);
@@ -188,7 +188,7 @@ TEST_CASE("a blocking call that another task's stop replaces says so") {
     REQUIRE(drive.run(take_over));
     bool has_stopped = false;
     port.others = [&] {
-        if (!has_stopped && !drive.is_idle()) has_stopped = drive.begin(halt) == errc::ok;
+        if (!has_stopped && !drive.is_idle()) has_stopped = drive.begin(halting) == errc::ok;
     };
     const routine_status got = drive.run(wait_for_setting);
     CHECK(has_stopped);
@@ -221,7 +221,7 @@ TEST_CASE("G20: a drive that was enabled again is not stopped by the command tim
     rig r;
     r.drive.set_command_timeout(milliseconds(100));
     REQUIRE(r.drive.run(move));
-    REQUIRE(r.drive.run(halt));
+    REQUIRE(r.drive.run(halting));
     REQUIRE(r.drive.run(bare::command{.steps = look_steps, .kind = command_kind::power}));
     r.port.frames.clear();
     r.loop(500);

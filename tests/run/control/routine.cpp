@@ -462,7 +462,7 @@ TEST_CASE("G21: after a read without a response the witness is read before the r
         const routine_status end = r.run(look_and_start);
         CHECK(end.error() == (is_missing ? errc::needs_init : errc::ok));
         CHECK(r.asked(command_at) == (is_missing ? 0u : 1u));
-        CHECK(r.drive.state() == (is_missing ? bare::drive_state::unknown : bare::drive_state::ready));
+        CHECK(r.drive.state() == (is_missing ? drive_state::needs_init : drive_state::enabled));
     }
 }
 

@@ -86,7 +86,7 @@ TEST_CASE("G21, S5: a restart during a halt is found, after a lost response at o
         CAPTURE(loses_response);
         rig r;
         REQUIRE(r.servo.run(ramps{20 * millisecond, 3000 * millisecond}));
-        REQUIRE(r.servo.run(enable{control_mode::speed}));
+        REQUIRE(r.servo.run(enable_in{control_mode::speed}));
         REQUIRE(r.servo.run(velocity{600 * r_per_min}));
         r.loop(200);
         REQUIRE(r.servo.begin(halt{}) == errc::ok);

@@ -292,7 +292,7 @@ TEST_CASE(
             REQUIRE(r.machine.begin(bare::command{.steps = read_only, .kind = command_kind::take_over}) ==
                     errc::ok);
             CHECK(r.go_on(0));
-            REQUIRE(r.machine.state() == bare::drive_state::ready);
+            REQUIRE(r.machine.state() == drive_state::enabled);
             for (const bool is_lost : {is_first_lost, is_second_lost}) {
                 r.begin(set_only, stop_priority::no_stop);
                 while (!r.on.is_sending()) {
@@ -310,7 +310,7 @@ TEST_CASE(
                 while (!r.machine.is_idle()) r.wire.wait(r.machine.step());
                 CHECK(r.machine.last());
             }
-            const bool is_known = r.machine.state() == bare::drive_state::ready;
+            const bool is_known = r.machine.state() == drive_state::enabled;
             CHECK(is_known == !(is_first_lost || is_second_lost));
         }
     }

@@ -29,8 +29,8 @@ struct polled : simulated::simulated_c630s {
         model.power_cycle();
         REQUIRE(servo.run(init{}));
     }
-    void enable_in(control_mode mode, position_source from = position_source::segments) {
-        REQUIRE(servo.run(enable{mode, from}));
+    void be_enabled_in(control_mode mode, position_source from = position_source::segments) {
+        REQUIRE(servo.run(enable_in{mode, from}));
     }
     void loop(std::uint32_t ms) {
         const std::uint64_t end = wire.time_us() + std::uint64_t{ms} * 1000u;
@@ -58,16 +58,16 @@ constexpr c630s::time ramp = 20 * millisecond;
 TEST_CASE("G34: a move that reaches its target says so, whatever its way and kind") {
     polled p{unsupervised};
     CHECK(p.servo.arrival().how == arrival_state::none);
-    CHECK(p.servo.run(until_arrived{}).error() == errc::wrong_state);
+    CHECK(p.servo.run(wait_reached{}).error() == errc::wrong_state);
     for (const displacement_type type : {displacement_type::relative, displacement_type::absolute}) {
         REQUIRE(p.servo.run(position_segments{.type = type}));
-        p.enable_in(control_mode::position);
+        p.be_enabled_in(control_mode::position);
         for (const std::int32_t way : {10'000, -3000, 700, 7, -1, 60'000}) {
             CAPTURE(way);
             const bool is_absolute = type == displacement_type::absolute;
             const std::int64_t target = is_absolute ? way : p.place() + way;
             REQUIRE(p.servo.run(segment{3, way * reference_unit, brisk, ramp}));
-            const arrival there = p.servo.run(start_segment{3}, until_arrived{});
+            const arrival there = p.servo.run(start_segment{3}, wait_reached{});
             CHECK(there.how == arrival_state::reached);
             CHECK(std::abs(there.missing.count()) <= 60);
             CHECK(p.is_near(target));
@@ -77,9 +77,9 @@ TEST_CASE("G34: a move that reaches its target says so, whatever its way and kin
         REQUIRE(p.servo.run(disable{}));
     }
     REQUIRE(p.servo.run(step_size{-500 * reference_unit}));
-    p.enable_in(control_mode::position, position_source::step);
+    p.be_enabled_in(control_mode::position, position_source::step);
     const std::int64_t before = p.place();
-    CHECK(p.servo.run(make_step{}, until_arrived{}).how == arrival_state::reached);
+    CHECK(p.servo.run(make_step{}, wait_reached{}).how == arrival_state::reached);
     CHECK(p.is_near(before - 500));
 }
 
@@ -91,12 +91,12 @@ TEST_CASE("G34: a move that ends short of its target says so, with its cause and
             CAPTURE(static_cast<int>(how));
             CAPTURE(is_waiting);
             polled p;
-            p.enable_in(control_mode::position);
+            p.be_enabled_in(control_mode::position);
             const std::int64_t target = p.place() + 50'000;
             REQUIRE(p.servo.run(segment{1, 50'000 * reference_unit, brisk, ramp}));
             REQUIRE(p.servo.run(start_segment{1}));
             CHECK(p.servo.arrival().how == arrival_state::under_way);
-            if (is_waiting) REQUIRE(p.servo.begin(until_arrived{}) == errc::ok);
+            if (is_waiting) REQUIRE(p.servo.begin(wait_reached{}) == errc::ok);
             p.loop(200);
             stop_cause cause = stop_cause::command;
             switch (how) {
@@ -122,7 +122,7 @@ TEST_CASE("G34: a move that ends short of its target says so, with its cause and
             // Without a stop or a fault the facade finds the end when it is asked to wait for it.
             const bool is_found_by_wait = how >= end::emergency_input;
             if (!is_waiting && is_found_by_wait)
-                CHECK(p.servo.run(until_arrived{}).error() == errc::stopped_short);
+                CHECK(p.servo.run(wait_reached{}).error() == errc::stopped_short);
             p.loop(50);
             while (!p.servo.is_idle()) p.loop(1);
             if (is_waiting && is_found_by_wait) CHECK(p.servo.last().error() == errc::stopped_short);
@@ -133,7 +133,7 @@ TEST_CASE("G34: a move that ends short of its target says so, with its cause and
             CHECK(there.cause == cause);
             CHECK(std::llabs(there.missing.count() - (target - p.place())) <= 60);
             CHECK(std::abs(there.missing.count()) > 1000);
-            CHECK_FALSE(p.servo.run(until_arrived{}));
+            CHECK_FALSE(p.servo.run(wait_reached{}));
         }
     }
 }
@@ -141,7 +141,7 @@ TEST_CASE("G34: a move that ends short of its target says so, with its cause and
 TEST_CASE("G34, G35: while the stop for a fault is under way the move has ended short, with the fault as its "
           "cause") {
     polled p;
-    p.enable_in(control_mode::position);
+    p.be_enabled_in(control_mode::position);
     REQUIRE(p.servo.run(segment{1, 50'000 * reference_unit, brisk, ramp}));
     REQUIRE(p.servo.run(start_segment{1}));
     p.loop(200);
@@ -158,12 +158,12 @@ TEST_CASE("G34, G35: while the stop for a fault is under way the move has ended 
 TEST_CASE(
     "G34: a wait after a move that was stopped ends immediately, and nothing is known after a restart") {
     polled p;
-    p.enable_in(control_mode::position);
+    p.be_enabled_in(control_mode::position);
     REQUIRE(p.servo.run(segment{1, 50'000 * reference_unit, brisk, ramp}));
     REQUIRE(p.servo.run(start_segment{1}));
     REQUIRE(p.servo.run(quick_stop{}));
     const std::uint64_t start = p.wire.time_us();
-    CHECK(p.servo.run(until_arrived{}).error() == errc::stopped_short);
+    CHECK(p.servo.run(wait_reached{}).error() == errc::stopped_short);
     CHECK(p.wire.time_us() - start < 100'000);
     p.model.power_cycle();
     p.loop(600);
@@ -173,9 +173,9 @@ TEST_CASE(
 
 TEST_CASE("G34: a start that the drive does not carry out is no arrival") {
     polled p{unsupervised, {.segment_start_is_level = true}};
-    p.enable_in(control_mode::position);
+    p.be_enabled_in(control_mode::position);
     REQUIRE(p.servo.run(segment{1, 5000 * reference_unit, brisk, ramp}));
-    const arrival there = p.servo.run(start_segment{1}, until_arrived{});
+    const arrival there = p.servo.run(start_segment{1}, wait_reached{});
     CHECK(there.how == arrival_state::stopped_short);
     CHECK(there.missing == 5000 * reference_unit);
 }
@@ -184,7 +184,7 @@ TEST_CASE("G35: a fault shows in the state within a feedback period and two fram
           "fail") {
     for (const bool is_idle : {false, true}) {
         polled p;
-        p.enable_in(control_mode::speed);
+        p.be_enabled_in(control_mode::speed);
         REQUIRE(p.servo.run(velocity{300 * r_per_min}));
         p.loop(300);
         if (!is_idle) REQUIRE(p.servo.begin(wait_standstill{}) == errc::ok);
@@ -209,7 +209,7 @@ TEST_CASE("G35: a velocity that is commanded right after a fault or a loss of po
             CAPTURE(is_polled);
             CAPTURE(is_fault);
             polled p{is_polled ? optional_supervision{} : static_cast<optional_supervision>(unsupervised)};
-            p.enable_in(control_mode::speed);
+            p.be_enabled_in(control_mode::speed);
             if (is_fault)
                 p.model.raise(0x620);
             else
@@ -227,7 +227,7 @@ TEST_CASE("S5: a restart of an enabled drive is found within 500 ms and two fram
         CAPTURE(is_enabled);
         polled p;
         CHECK(p.servo.restart_visible());
-        if (is_enabled) p.enable_in(control_mode::torque);
+        if (is_enabled) p.be_enabled_in(control_mode::torque);
         p.loop(733);
         p.model.power_cycle();
         CHECK(p.loop_until([&] { return p.servo.state() == drive_state::needs_init; }) <= 500 + 2 * 10);
@@ -254,7 +254,7 @@ TEST_CASE(
     CHECK(p.requests.size() - start == 6); // nothing that was not commanded
 
     polled q;
-    q.enable_in(control_mode::speed);
+    q.be_enabled_in(control_mode::speed);
     REQUIRE(q.servo.run(velocity{120 * r_per_min}));
     const std::size_t before = q.requests.size();
     q.loop(2000);
@@ -278,7 +278,7 @@ TEST_CASE("G21: a velocity whose response is lost is read back, and the drive st
     for (const bool is_request : {false, true}) {
         CAPTURE(is_request);
         polled p{unsupervised};
-        p.enable_in(control_mode::speed);
+        p.be_enabled_in(control_mode::speed);
         REQUIRE(p.servo.run(velocity{100 * r_per_min}));
         const std::size_t start = p.wire.requests();
         REQUIRE(p.servo.begin(velocity{200 * r_per_min}) == errc::ok);
@@ -303,7 +303,7 @@ TEST_CASE("a drive that responds later than the feedback period is polled as oft
         REQUIRE(direct.store<response_delay>(80));
     }
     REQUIRE(p.servo.run(init{}));
-    p.enable_in(control_mode::speed);
+    p.be_enabled_in(control_mode::speed);
     REQUIRE(p.servo.run(velocity{100 * r_per_min}));
     REQUIRE(p.servo.run(read_feedback{}));
     p.loop(3000);
@@ -341,7 +341,7 @@ TEST_CASE("by default a line that is too slow for the feedback period is polled 
     REQUIRE(servo.run(set_up{}));
     model.power_cycle();
     REQUIRE(servo.run(init{}));
-    REQUIRE(servo.run(enable{control_mode::speed}));
+    REQUIRE(servo.run(enable_in{control_mode::speed}));
     REQUIRE(servo.run(velocity{100 * r_per_min}));
     CHECK(model.peek(target_speed.address) == 100);
     REQUIRE(servo.run(disable{}));
@@ -359,7 +359,7 @@ TEST_CASE("G21, G35: a restart of a disabled drive shows also if a stop follows 
         if (is_quick_stop) REQUIRE(p.servo.run(quick_stop{}));
         if (!is_quick_stop) REQUIRE(p.servo.run(disable{}));
         CHECK(p.servo.state() == drive_state::needs_init);
-        CHECK(p.servo.run(enable{control_mode::speed}).error() == errc::needs_init);
+        CHECK(p.servo.run(enable_in{control_mode::speed}).error() == errc::needs_init);
         REQUIRE(p.servo.run(init{}));
         REQUIRE(p.servo.run(disable{}));
         CHECK(p.servo.state() == drive_state::disabled); // it had not restarted
@@ -371,7 +371,7 @@ TEST_CASE(
     for (const bool is_restarted : {false, true}) {
         CAPTURE(is_restarted);
         polled p;
-        p.enable_in(control_mode::speed);
+        p.be_enabled_in(control_mode::speed);
         REQUIRE(p.servo.run(velocity{100 * r_per_min}));
         p.wire.set_connected(0, false);
         if (is_restarted) p.model.power_cycle();
@@ -392,7 +392,7 @@ TEST_CASE("G34: a move towards a limit switch that is active is refused before a
         polled p;
         REQUIRE(p.servo.run(segment{1, 20'000 * reference_unit, brisk, ramp}));
         REQUIRE(p.servo.run(segment{2, -20'000 * reference_unit, brisk, ramp}));
-        p.enable_in(control_mode::position);
+        p.be_enabled_in(control_mode::position);
         p.model.set_input(is_negative ? 3 : 2, true); // DI2 and DI3 are the limits from the factory
         p.loop(100);
         const start_segment towards = is_negative ? start_segment{2} : start_segment{1};
@@ -403,22 +403,21 @@ TEST_CASE("G34: a move towards a limit switch that is active is refused before a
         CHECK(refused.outcome() == outcome::not_sent);
         CHECK(p.model.starts() == starts);
         CHECK(p.servo.state() == drive_state::enabled);
-        CHECK(p.servo.run(towards, until_arrived{}).how == arrival_state::none);
-        CHECK(p.servo.run(away, until_arrived{}).how == arrival_state::reached);
-        CHECK(p.servo.run(towards, until_arrived{}).how ==
-              arrival_state::none); // nor that of the move before
+        CHECK(p.servo.run(towards, wait_reached{}).how == arrival_state::none);
+        CHECK(p.servo.run(away, wait_reached{}).how == arrival_state::reached);
+        CHECK(p.servo.run(towards, wait_reached{}).how == arrival_state::none); // nor that of the move before
         CHECK(p.servo.last().error() == errc::wrong_state);
         p.model.set_input(is_negative ? 3 : 2, false);
         p.loop(100);
-        CHECK(p.servo.run(towards, until_arrived{}).how == arrival_state::reached);
+        CHECK(p.servo.run(towards, wait_reached{}).how == arrival_state::reached);
     }
 }
 
 TEST_CASE("G36: feedback of before a restart is not delivered after the init that follows it") {
     polled p;
-    p.enable_in(control_mode::position);
+    p.be_enabled_in(control_mode::position);
     REQUIRE(p.servo.run(segment{1, 20'000 * reference_unit, brisk, ramp}));
-    REQUIRE(p.servo.run(start_segment{1}, until_arrived{}).how == arrival_state::reached);
+    REQUIRE(p.servo.run(start_segment{1}, wait_reached{}).how == arrival_state::reached);
     p.loop(500);
     REQUIRE(p.servo.feedback(milliseconds(500)));
     p.model.power_cycle();
@@ -434,7 +433,7 @@ TEST_CASE("G21, G35: a restart of a drive that is not polled shows although a st
     for (const bool is_reset : {false, true}) {
         CAPTURE(is_reset);
         polled p{unsupervised};
-        p.enable_in(control_mode::speed);
+        p.be_enabled_in(control_mode::speed);
         REQUIRE(p.servo.run(velocity{100 * r_per_min}));
         p.loop(2000);
         p.model.power_cycle();
@@ -442,7 +441,7 @@ TEST_CASE("G21, G35: a restart of a drive that is not polled shows although a st
         if (is_reset) CHECK(p.servo.run(fault_reset{}).error() == errc::needs_init);
         if (!is_reset) REQUIRE(p.servo.run(disable{}));
         CHECK(p.servo.state() == drive_state::needs_init);
-        CHECK(p.servo.run(enable{control_mode::speed}).error() == errc::needs_init);
+        CHECK(p.servo.run(enable_in{control_mode::speed}).error() == errc::needs_init);
         CHECK_FALSE(p.model.enabled());
     }
 }

@@ -50,38 +50,38 @@ TEST_CASE_TEMPLATE("G34: a move that reaches its target says so, whatever its ki
     A a;
     take_homed(a);
     CHECK(a.drive.arrival().how == arrival_state::none);
-    CHECK(a.drive.run(until_arrived{}).error() == errc::wrong_state);
+    CHECK(a.drive.run(wait_reached{}).error() == errc::wrong_state);
     std::int64_t target = 0;
     for (const std::int32_t way : {1000, -300, 7, -1, 5, 2, 20'000}) {
         CAPTURE(way);
         target += way;
-        CHECK(a.drive.run(move_by{way * pulse, brisk}, until_arrived{}).how == arrival_state::reached);
+        CHECK(a.drive.run(move_by{way * pulse, brisk}, wait_reached{}).how == arrival_state::reached);
         CHECK(a.place() == target);
         target = -way;
-        CHECK(a.drive.run(move_to{-way * pulse}, until_arrived{}).how == arrival_state::reached);
+        CHECK(a.drive.run(move_to{-way * pulse}, wait_reached{}).how == arrival_state::reached);
         CHECK(a.place() == target);
         CHECK(a.drive.arrival().missing == distance{0});
     }
-    const arrival there = a.drive.run(move_to{-20'000 * pulse, brisk}, until_arrived{});
+    const arrival there = a.drive.run(move_to{-20'000 * pulse, brisk}, wait_reached{});
     CHECK(there.how == arrival_state::reached); // it was there
     REQUIRE(a.drive.run(bounded_jog{500 * pulse, brisk}));
-    CHECK(a.drive.run(until_arrived{}));
+    CHECK(a.drive.run(wait_reached{}));
     CHECK(a.place() == target + 500);
 }
 
 TEST_CASE("G34: a move that is refused has no arrival, and last() says why") {
     closed_axis a;
     take(a);
-    REQUIRE(a.drive.run(release{}));
-    CHECK(a.drive.run(move_by{100 * pulse, brisk}, until_arrived{}).how == arrival_state::none);
+    REQUIRE(a.drive.run(disable{}));
+    CHECK(a.drive.run(move_by{100 * pulse, brisk}, wait_reached{}).how == arrival_state::none);
     CHECK_FALSE(a.drive.last());
-    CHECK(a.drive.run(move_to{100 * pulse, brisk}, until_arrived{}).how == arrival_state::none);
+    CHECK(a.drive.run(move_to{100 * pulse, brisk}, wait_reached{}).how == arrival_state::none);
     CHECK(a.drive.last().error() == errc::needs_homing);
     CHECK(a.drive.last().outcome() == outcome::not_sent);
     // Nor that of the move before it.
     REQUIRE(a.drive.run(enable{}));
-    REQUIRE(a.drive.run(move_by{100 * pulse, brisk}, until_arrived{}).how == arrival_state::reached);
-    CHECK(a.drive.run(move_to{200 * pulse, brisk}, until_arrived{}).how == arrival_state::none);
+    REQUIRE(a.drive.run(move_by{100 * pulse, brisk}, wait_reached{}).how == arrival_state::reached);
+    CHECK(a.drive.run(move_to{200 * pulse, brisk}, wait_reached{}).how == arrival_state::none);
     CHECK(a.drive.last().error() == errc::needs_homing);
 }
 
@@ -111,16 +111,16 @@ TEST_CASE_TEMPLATE("G34: a stop of the program, an alarm and a release end a mov
         polled<A> p{{.alarm = how == 4 ? sim::yako_alarm::holds : sim::yako_alarm::releases}};
         REQUIRE(p.drive.run(move_by{3000 * pulse, gentle}));
         p.loop(300);
-        if (how == 0) REQUIRE(p.drive.run(stop{}));
+        if (how == 0) REQUIRE(p.drive.run(halt{}));
         if (how == 1) REQUIRE(p.drive.run(quick_stop{}));
         if (is_alarm) p.a.model.raise_alarm(2);
-        if (how == 3) REQUIRE(p.drive.run(release{}));
+        if (how == 3) REQUIRE(p.drive.run(disable{}));
         p.loop(1000);
         const arrival a = p.drive.arrival();
         CHECK(a.how == arrival_state::stopped_short);
         CHECK(a.cause == (is_alarm ? stop_cause::fault : stop_cause::command));
         CHECK(a.missing.count() == 3000 - p.drive.feedback(milliseconds(2000))->position.count());
-        const errc waited = p.drive.run(until_arrived{}).error();
+        const errc waited = p.drive.run(wait_reached{}).error();
         CHECK(waited == (is_alarm ? errc::faulted : errc::stopped_short));
         CHECK_FALSE(p.drive.run(wait_standstill{}));
     }
@@ -144,7 +144,7 @@ TEST_CASE_TEMPLATE(
 
 TEST_CASE_TEMPLATE("G34: after a restart nothing is known of the move before it", A, closed_axis, open_axis) {
     polled<A> p;
-    REQUIRE(p.drive.run(move_by{3000 * pulse, brisk}, until_arrived{}).how == arrival_state::reached);
+    REQUIRE(p.drive.run(move_by{3000 * pulse, brisk}, wait_reached{}).how == arrival_state::reached);
     p.a.model.power_cycle();
     p.loop(600);
     REQUIRE(p.drive.state() == drive_state::needs_init);
@@ -152,7 +152,7 @@ TEST_CASE_TEMPLATE("G34: after a restart nothing is known of the move before it"
     REQUIRE(p.drive.run(init{}));
     REQUIRE(p.drive.read());
     CHECK(p.drive.arrival().how == arrival_state::none);
-    CHECK(p.drive.run(until_arrived{}).error() == errc::wrong_state);
+    CHECK(p.drive.run(wait_reached{}).error() == errc::wrong_state);
 }
 
 namespace {
@@ -174,7 +174,7 @@ TEST_CASE("G34: a move without a stated target has no arrival") {
     CHECK(p.a.place() == 3000);
     CHECK(p.drive.motion() == motion_check::seen);
     CHECK(p.drive.arrival().how == arrival_state::none);
-    CHECK(p.drive.run(until_arrived{}).error() == errc::wrong_state);
+    CHECK(p.drive.run(wait_reached{}).error() == errc::wrong_state);
 }
 
 TEST_CASE("S4: a motor that something else turns after an init is not taken for the bounded jog before it") {
@@ -206,7 +206,7 @@ TEST_CASE_TEMPLATE("G35: an alarm shows in the state within a feedback period an
     for (const auto alarm : {sim::yako_alarm::releases, sim::yako_alarm::holds}) {
         for (const bool is_idle : {false, true}) {
             polled<A> p{{.alarm = alarm}};
-            REQUIRE(p.drive.run(jog{60 * r_per_min}));
+            REQUIRE(p.drive.run(velocity{60 * r_per_min}));
             p.loop(200);
             if (!is_idle) REQUIRE(p.drive.begin(wait_standstill{}) == errc::ok);
             p.a.model.raise_alarm(2);
@@ -227,7 +227,7 @@ TEST_CASE_TEMPLATE("G35: an alarm shows in the state within a feedback period an
 TEST_CASE("G20: a command timeout stops a jog, and cuts neither a move nor a homing") {
     polled<closed_axis> p{{}, {.command_timeout = milliseconds(300)}};
     p.a.model.attach(simulated::yako_slide());
-    REQUIRE(p.drive.run(jog{60 * r_per_min}));
+    REQUIRE(p.drive.run(velocity{60 * r_per_min}));
     p.loop(250);
     CHECK(p.a.is_moving());
     p.loop(400);
@@ -254,13 +254,13 @@ TEST_CASE("a polled drive sends nothing but reads that the program did not comma
 
 TEST_CASE("an open loop motor that an input frees loses its position, and the state says that it is free") {
     polled<open_axis> p;
-    REQUIRE(p.drive.run(release{}));
+    REQUIRE(p.drive.run(disable{}));
     REQUIRE(p.drive.run(set_input{input::x3, input_function::motor_free}));
     REQUIRE(p.drive.run(enable{}));
     REQUIRE(p.drive.run(declare_position{0 * pulse}));
     p.a.model.set_input(3, true);
     p.loop(50);
-    CHECK(p.drive.state() == drive_state::released);
+    CHECK(p.drive.state() == drive_state::disabled);
     p.a.model.set_input(3, false);
     p.loop(50);
     CHECK(p.drive.state() == drive_state::enabled);

@@ -25,7 +25,7 @@ struct enabled : rig {
                      synchronisation starts = synchronisation::synchronous)
         : rig{{}, supervised} {
         REQUIRE(drive.run(init{}));
-        REQUIRE(drive.run(enable{checked(mode), starts}));
+        REQUIRE(drive.run(enable_in{checked(mode), starts}));
     }
     void turn() {
         const duration idle = drive.step();
@@ -49,8 +49,8 @@ TEST_CASE("G34: a move is reached when both wheels are at rest at their targets"
         const bool is_relative = mode == operating_mode::relative_position;
         const arrival came =
             is_relative
-                ? r.drive.run(move_by{8192 * pulse, -4096 * pulse}, until_arrived{milliseconds(10'000)})
-                : r.drive.run(move_to{8192 * pulse, -4096 * pulse}, until_arrived{milliseconds(10'000)});
+                ? r.drive.run(move_by{8192 * pulse, -4096 * pulse}, wait_reached{milliseconds(10'000)})
+                : r.drive.run(move_to{8192 * pulse, -4096 * pulse}, wait_reached{milliseconds(10'000)});
         CHECK(r.drive.last());
         CHECK(came.how == arrival_state::reached);
         CHECK(came.cause == stop_cause::unknown);
@@ -60,8 +60,8 @@ TEST_CASE("G34: a move is reached when both wheels are at rest at their targets"
         // The next one counts from there.
         const arrival next =
             is_relative
-                ? r.drive.run(move_by{-92 * pulse, 96 * pulse}, until_arrived{milliseconds(10'000)})
-                : r.drive.run(move_to{8100 * pulse, -4000 * pulse}, until_arrived{milliseconds(10'000)});
+                ? r.drive.run(move_by{-92 * pulse, 96 * pulse}, wait_reached{milliseconds(10'000)})
+                : r.drive.run(move_to{8100 * pulse, -4000 * pulse}, wait_reached{milliseconds(10'000)});
         CHECK(next.how == arrival_state::reached);
         CHECK(r.model.left().position == 8100);
     }
@@ -88,7 +88,7 @@ TEST_CASE("G34: a move that ends before its target says where, what is missing a
         enabled r;
         REQUIRE(r.drive.run(move_by{40960 * pulse, 30000 * pulse}));
         r.step_for(600);
-        REQUIRE(r.drive.begin(until_arrived{milliseconds(20'000)}) == errc::ok);
+        REQUIRE(r.drive.begin(wait_reached{milliseconds(20'000)}) == errc::ok);
         s.happens(r);
         const std::uint64_t since = r.wire.time_us();
         r.step_to_end();
@@ -121,7 +121,7 @@ TEST_CASE("G34: a restart during a move is no arrival") {
         CAPTURE(way);
         enabled r;
         REQUIRE(r.drive.run(move_by{way * pulse, way * pulse}));
-        REQUIRE(r.drive.begin(until_arrived{milliseconds(20'000)}) == errc::ok);
+        REQUIRE(r.drive.begin(wait_reached{milliseconds(20'000)}) == errc::ok);
         r.model.power_cycle();
         r.step_to_end();
         CHECK_FALSE(r.drive.last());
@@ -139,11 +139,11 @@ TEST_CASE("G34: a wait does not succeed after a restart that locks the shafts wh
             REQUIRE(r.drive.run(disable{}));
             REQUIRE(direct.write<shaft_at_power_on>(power_on_shaft::locked));
             REQUIRE(r.drive.run(save{}));
-            REQUIRE(r.drive.run(enable{operating_mode::relative_position}));
+            REQUIRE(r.drive.run(enable_in{operating_mode::relative_position}));
             REQUIRE(r.drive.run(move_by{way * pulse, way * pulse}));
             r.model.power_cycle(); // the positions are 0 again
             const routine_status waited = is_standstill ? r.drive.run(wait_standstill{})
-                                                        : r.drive.run(until_arrived{milliseconds(2'000)});
+                                                        : r.drive.run(wait_reached{milliseconds(2'000)});
             CHECK_FALSE(waited);
             CHECK(r.drive.arrival().how != arrival_state::reached);
             CHECK(r.drive.state() == drive_state::needs_init);
@@ -154,9 +154,9 @@ TEST_CASE("G34: a wait does not succeed after a restart that locks the shafts wh
 TEST_CASE("G34: a wait that is too short ends with not_reached, and the move goes on") {
     enabled r;
     REQUIRE(r.drive.run(move_by{40960 * pulse, 40960 * pulse}));
-    CHECK(r.drive.run(until_arrived{milliseconds(500)}).error() == errc::not_reached);
+    CHECK(r.drive.run(wait_reached{milliseconds(500)}).error() == errc::not_reached);
     CHECK(r.drive.arrival().how == arrival_state::under_way);
-    CHECK(r.drive.run(until_arrived{milliseconds(20'000)}));
+    CHECK(r.drive.run(wait_reached{milliseconds(20'000)}));
     CHECK(r.model.left().position == 40960);
 }
 
@@ -174,27 +174,27 @@ TEST_CASE("a feedback period that is shorter than its frames is refused before a
 TEST_CASE("G34: a move that is refused has no arrival, and last() says why") {
     enabled r;
     REQUIRE(r.drive.run(disable{}));
-    CHECK(r.drive.run(move_by{100 * pulse, 100 * pulse}, until_arrived{}).how == arrival_state::none);
+    CHECK(r.drive.run(move_by{100 * pulse, 100 * pulse}, wait_reached{}).how == arrival_state::none);
     CHECK(r.drive.last().error() == errc::wrong_state);
     CHECK(r.drive.last().outcome() == outcome::not_sent);
     // Nor that of the move before it.
-    REQUIRE(r.drive.run(enable{operating_mode::relative_position}));
-    REQUIRE(r.drive.run(move_by{100 * pulse, 100 * pulse}, until_arrived{}).how == arrival_state::reached);
+    REQUIRE(r.drive.run(enable_in{operating_mode::relative_position}));
+    REQUIRE(r.drive.run(move_by{100 * pulse, 100 * pulse}, wait_reached{}).how == arrival_state::reached);
     REQUIRE(r.drive.run(disable{}));
-    CHECK(r.drive.run(move_by{100 * pulse, 100 * pulse}, until_arrived{}).how == arrival_state::none);
+    CHECK(r.drive.run(move_by{100 * pulse, 100 * pulse}, wait_reached{}).how == arrival_state::none);
     CHECK(r.drive.last().error() == errc::wrong_state);
 }
 
 TEST_CASE("G34: without a move there is nothing to wait for") {
     enabled r;
     const std::size_t frames = r.log.frames.size();
-    CHECK(r.drive.run(until_arrived{milliseconds(500)}).error() == errc::wrong_state);
+    CHECK(r.drive.run(wait_reached{milliseconds(500)}).error() == errc::wrong_state);
     CHECK(r.drive.arrival().how == arrival_state::none);
     CHECK(r.log.frames.size() == frames);
-    REQUIRE(r.drive.run(move_by{100 * pulse, 100 * pulse}, until_arrived{milliseconds(5'000)}).how ==
+    REQUIRE(r.drive.run(move_by{100 * pulse, 100 * pulse}, wait_reached{milliseconds(5'000)}).how ==
             arrival_state::reached);
     REQUIRE(r.drive.run(clear_position{})); // its positions mean something else now
-    CHECK(r.drive.run(until_arrived{milliseconds(500)}).error() == errc::wrong_state);
+    CHECK(r.drive.run(wait_reached{milliseconds(500)}).error() == errc::wrong_state);
 }
 
 TEST_CASE("G34: after an init there is no move to wait for, since a restart before it may have changed the "
@@ -202,17 +202,17 @@ TEST_CASE("G34: after an init there is no move to wait for, since a restart befo
     for (const std::int32_t way : {10, 4096}) {
         CAPTURE(way);
         enabled r;
-        REQUIRE(r.drive.run(move_by{way * pulse, way * pulse}, until_arrived{milliseconds(5'000)}).how ==
+        REQUIRE(r.drive.run(move_by{way * pulse, way * pulse}, wait_reached{milliseconds(5'000)}).how ==
                 arrival_state::reached);
         r.model.power_cycle(); // the positions are 0 again
         REQUIRE(r.drive.run(init{}));
         REQUIRE(r.drive.read());
         CHECK(r.drive.arrival().how == arrival_state::none);
-        CHECK(r.drive.run(until_arrived{milliseconds(500)}).error() == errc::wrong_state);
+        CHECK(r.drive.run(wait_reached{milliseconds(500)}).error() == errc::wrong_state);
     }
     rig fresh;
     REQUIRE(fresh.drive.run(init{}));
-    CHECK(fresh.drive.run(until_arrived{milliseconds(500)}).error() == errc::wrong_state);
+    CHECK(fresh.drive.run(wait_reached{milliseconds(500)}).error() == errc::wrong_state);
 }
 
 TEST_CASE("G34: in the asynchronous mode each wheel has its own move and its own end") {
@@ -223,12 +223,12 @@ TEST_CASE("G34: in the asynchronous mode each wheel has its own move and its own
     REQUIRE(r.drive.run(move_right_by{4096 * pulse}));
     CHECK(r.model.starts() == 2);
     CHECK(r.drive.run(move_left_by{1 * pulse}).error() == errc::busy);
-    REQUIRE(r.drive.run(until_arrived{milliseconds(10'000), wheels::right}));
+    REQUIRE(r.drive.run(wait_wheels_reached{wheels::right}));
     CHECK(r.model.right().position == 4096);
     CHECK(r.drive.arrival(wheels::right).how == arrival_state::reached);
     CHECK(r.drive.arrival(wheels::left).how == arrival_state::under_way);
     CHECK(r.drive.arrival().how == arrival_state::under_way);
-    REQUIRE(r.drive.run(until_arrived{milliseconds(10'000), wheels::left}));
+    REQUIRE(r.drive.run(wait_wheels_reached{wheels::left}));
     CHECK(r.model.left().position == 40960);
     CHECK(r.model.starts() == 2);
 }
@@ -237,7 +237,7 @@ TEST_CASE("a wait of 40960 counts takes at most 300 frames, and a halt 30") {
     enabled r;
     REQUIRE(r.drive.run(move_by{40960 * pulse, 40960 * pulse}));
     r.log.frames.clear();
-    REQUIRE(r.drive.run(until_arrived{milliseconds(20'000)}));
+    REQUIRE(r.drive.run(wait_reached{milliseconds(20'000)}));
     CHECK(r.log.frames.size() <= 300);
     enabled s{operating_mode::velocity};
     REQUIRE(s.drive.run(velocity{100 * r_per_min, 100 * r_per_min}));

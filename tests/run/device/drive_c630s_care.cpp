@@ -19,9 +19,9 @@ namespace {
 
 constexpr u16 p31 = virtual_input_levels.address;
 
-void enable_in(rig& r, control_mode mode) {
+void be_enabled_in(rig& r, control_mode mode) {
     REQUIRE(r.make_ready());
-    REQUIRE(r.drive.run(enable{mode}));
+    REQUIRE(r.drive.run(enable_in{mode}));
     REQUIRE(r.model.enabled());
 }
 // Runs a command of which `count` responses are lost, the first of them the response to frame number `first`.
@@ -45,14 +45,14 @@ TEST_CASE("G20, G26: the command timeout also stops a drive whose cached state i
           "retried") {
     rig r;
     SUBCASE("one lost response does not disable the command timeout") {
-        enable_in(r, control_mode::speed);
+        be_enabled_in(r, control_mode::speed);
         r.drive.set_command_timeout(milliseconds(400));
         REQUIRE(r.drive.run(velocity{300 * r_per_min}));
         CHECK(run_deaf(r, velocity{301 * r_per_min}, 1, 4).outcome() == outcome::unknown);
         r.loop(5000);
     }
     SUBCASE("a stop without a response is sent again") {
-        enable_in(r, control_mode::speed);
+        be_enabled_in(r, control_mode::speed);
         r.drive.set_command_timeout(milliseconds(400));
         REQUIRE(r.drive.run(velocity{300 * r_per_min}));
         r.wire.cut_for(milliseconds(1500));
@@ -71,7 +71,7 @@ TEST_CASE("G20, G26: the command timeout also stops a drive whose cached state i
 TEST_CASE("G20, G40: a jog whose command timeout is shorter than its frames begins, and is stopped right "
           "after it") {
     rig r;
-    enable_in(r, control_mode::speed);
+    be_enabled_in(r, control_mode::speed);
     r.drive.set_command_timeout(milliseconds(5));
     REQUIRE(r.drive.begin(jog{50 * r_per_min}) == errc::ok);
     r.loop(3000);
@@ -82,7 +82,7 @@ TEST_CASE("G20, G40: a jog whose command timeout is shorter than its frames begi
 
 TEST_CASE("S1, G25: stops that lose their first frames still switch the servo off") {
     rig r;
-    enable_in(r, control_mode::position);
+    be_enabled_in(r, control_mode::position);
     REQUIRE(r.drive.run(segment{1, 2'000'000 * reference_unit, 600 * r_per_min, 10 * millisecond}));
     REQUIRE(r.drive.run(start_segment{1}));
     r.run(500);
@@ -103,7 +103,7 @@ TEST_CASE("S1, G25: stops that lose their first frames still switch the servo of
 
 TEST_CASE("G18: a restart is found although the program keeps beginning commands while one is in progress") {
     rig r;
-    enable_in(r, control_mode::speed);
+    be_enabled_in(r, control_mode::speed);
     REQUIRE(r.drive.run(velocity{100 * r_per_min}));
     r.model.power_cycle();
     const std::uint32_t before = r.model.eeprom_writes();
@@ -140,16 +140,16 @@ TEST_CASE("5.2.4: before the set-up a reset is checked by the alarm code, since 
 TEST_CASE("a single segment is started only if inputs select it, and a run of segments only if they do not") {
     rig r;
     REQUIRE(r.make_ready());
-    REQUIRE(r.drive.run(enable{control_mode::position, position_source::segments, segment_mode::cyclic}));
+    REQUIRE(r.drive.run(enable_in{control_mode::position, position_source::segments, segment_mode::cyclic}));
     CHECK(r.drive.run(start_segment{3}).error() == errc::wrong_state);
     REQUIRE(r.drive.run(disable{}));
-    REQUIRE(r.drive.run(enable{control_mode::position}));
+    REQUIRE(r.drive.run(enable_in{control_mode::position}));
     CHECK(r.drive.run(start_segments{}).error() == errc::wrong_state);
 }
 
 TEST_CASE("wait_standstill ends after the move, not right after its start") {
     rig r;
-    enable_in(r, control_mode::position);
+    be_enabled_in(r, control_mode::position);
     REQUIRE(r.drive.run(segment{1, 50'000 * reference_unit, 600 * r_per_min, 20'000 * millisecond}));
     const auto from = r.model.position();
     REQUIRE(r.drive.run(start_segment{1}));
@@ -159,7 +159,7 @@ TEST_CASE("wait_standstill ends after the move, not right after its start") {
 
 TEST_CASE("a velocity command is refused during a jog, and repeated velocity commands find a fault") {
     rig r;
-    enable_in(r, control_mode::speed);
+    be_enabled_in(r, control_mode::speed);
     REQUIRE(r.drive.run(jog{50 * r_per_min}));
     CHECK(r.drive.run(velocity{0 * r_per_min}).error() == errc::wrong_state);
     REQUIRE(r.drive.run(halt{}));
@@ -193,7 +193,7 @@ TEST_CASE("keep refuses the function servo-on for a wired input") {
 
 TEST_CASE("disable replaces a quick stop that is waiting, and a quick stop replaces a disable") {
     rig r;
-    enable_in(r, control_mode::speed);
+    be_enabled_in(r, control_mode::speed);
     REQUIRE(r.drive.run(velocity{3000 * r_per_min}));
     REQUIRE(r.live(milliseconds(3500)));
     const auto wait_for = [&](std::size_t frames) {
@@ -228,14 +228,14 @@ TEST_CASE("disable replaces a quick stop that is waiting, and a quick stop repla
     CHECK(r.model.stands_still());
     CHECK_FALSE(r.model.enabled());
     CHECK(r.drive.state() == drive_state::disabled);
-    REQUIRE(r.drive.run(enable{control_mode::speed}));
+    REQUIRE(r.drive.run(enable_in{control_mode::speed}));
     REQUIRE(r.live(milliseconds(300)));
     CHECK(r.model.stands_still());
 }
 
 TEST_CASE("a jog beyond the limit of its direction is refused before anything is sent") {
     rig r;
-    enable_in(r, control_mode::speed);
+    be_enabled_in(r, control_mode::speed);
     REQUIRE(r.drive.run(top_speeds{500 * r_per_min, 300 * r_per_min, 100 * r_per_min}));
     const std::size_t sent = r.requests.size();
     CHECK(r.drive.run(jog{301 * r_per_min}).error() == errc::out_of_range);
@@ -260,7 +260,7 @@ TEST_CASE("an output that an earlier homing left on does not confirm a new homin
                         .positive_limit = 900'000});
         REQUIRE(r.drive.run(homing_by{homing_mode::forward_home_switch, 300 * r_per_min, 60 * r_per_min,
                                       100 * millisecond, 30'000}));
-        REQUIRE(r.drive.run(enable{control_mode::position}));
+        REQUIRE(r.drive.run(enable_in{control_mode::position}));
         REQUIRE(r.drive.run(home{30 * second}));
         REQUIRE(r.drive.run(home_electrically{10 * second}));
         REQUIRE(r.drive.run(segment{1, -5000 * reference_unit, 300 * r_per_min}));
@@ -282,7 +282,7 @@ TEST_CASE("an output that an earlier homing left on does not confirm a new homin
 
 TEST_CASE("home_electrically succeeds if the motor is already at the electrical home") {
     rig r;
-    enable_in(r, control_mode::position);
+    be_enabled_in(r, control_mode::position);
     REQUIRE(r.drive.run(home_electrically{1 * second}));
 }
 
@@ -311,7 +311,7 @@ TEST_CASE("S5, G35: a restart while an enable waits for the brake ends it, and t
     REQUIRE(r.make_ready());
     REQUIRE(r.drive.run(keep<brake_on_to_command_delay>{400}));
     REQUIRE(r.drive.run(init{}));
-    REQUIRE(r.drive.begin(enable{control_mode::speed}) == errc::ok);
+    REQUIRE(r.drive.begin(enable_in{control_mode::speed}) == errc::ok);
     while (!r.model.enabled()) r.turn();
     r.loop(60);
     REQUIRE_FALSE(r.drive.is_idle());
@@ -345,7 +345,7 @@ TEST_CASE("G18: while the drive keeps its writes, during a set-up, it needs an i
 TEST_CASE(
     "S4: after a start without a response the motion is unknown if the drive does not respond any more") {
     rig r;
-    enable_in(r, control_mode::position);
+    be_enabled_in(r, control_mode::position);
     REQUIRE(r.drive.run(segment{1, 5000 * reference_unit, 600 * r_per_min, 10 * millisecond}));
     const std::size_t start = r.wire.requests();
     REQUIRE(r.drive.begin(start_segment{1}) == errc::ok);

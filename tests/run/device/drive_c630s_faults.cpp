@@ -18,9 +18,9 @@ namespace {
 
 constexpr u16 p31 = virtual_input_levels.address;
 
-void enable_in(rig& r, control_mode mode) {
+void be_enabled_in(rig& r, control_mode mode) {
     REQUIRE(r.make_ready());
-    REQUIRE(r.drive.run(enable{mode}));
+    REQUIRE(r.drive.run(enable_in{mode}));
     REQUIRE(r.model.enabled());
 }
 
@@ -57,7 +57,7 @@ std::size_t count_of(const rig& r, u16 address, u16 bits) {
 
 TEST_CASE("G17: an hour of velocity commands writes nothing to the EEPROM") {
     rig r;
-    enable_in(r, control_mode::speed);
+    be_enabled_in(r, control_mode::speed);
     const std::uint32_t before = r.model.eeprom_writes();
     for (int i = 0; i < 1200; ++i) {
         const int wanted = i % 200 - 100;
@@ -74,7 +74,7 @@ TEST_CASE("G17: segments, starts, jogs, gears, torque and reads write nothing to
     rig r;
     REQUIRE(r.make_ready());
     const std::uint32_t before = r.model.eeprom_writes();
-    REQUIRE(r.drive.run(enable{control_mode::position}));
+    REQUIRE(r.drive.run(enable_in{control_mode::position}));
     for (int i = 0; i < 20; ++i) {
         REQUIRE(r.drive.run(segment{1, 10 * i * reference_unit, 300 * r_per_min, 5 * millisecond}));
         REQUIRE(r.drive.run(start_segment{1}));
@@ -84,14 +84,14 @@ TEST_CASE("G17: segments, starts, jogs, gears, torque and reads write nothing to
     REQUIRE(r.drive.run(disable{}));
     REQUIRE(r.drive.run(homing_by{homing_mode::forward_z}));
     REQUIRE(r.drive.run(gear{131'072, 10'000}));
-    REQUIRE(r.drive.run(enable{control_mode::speed}));
+    REQUIRE(r.drive.run(enable_in{control_mode::speed}));
     REQUIRE(r.drive.run(jog{20 * r_per_min}));
     REQUIRE(r.drive.run(halt{}));
     REQUIRE(r.drive.run(quick_stop{}));
     REQUIRE(r.drive.run(disable{}));
     REQUIRE(r.drive.run(fault_reset{}));
     REQUIRE(r.drive.fault(1));
-    REQUIRE(r.drive.run(enable{control_mode::torque}));
+    REQUIRE(r.drive.run(enable_in{control_mode::torque}));
     REQUIRE(r.drive.run(torque{5 * percent}));
     REQUIRE(r.drive.run(init{}));
     CHECK(r.model.eeprom_writes() == before);
@@ -120,7 +120,7 @@ TEST_CASE(
             for (std::size_t first = 0; first < 12; ++first) {
                 CAPTURE(first);
                 rig r;
-                enable_in(r, control_mode::position);
+                be_enabled_in(r, control_mode::position);
                 REQUIRE(r.drive.run(segment{3, 20'000 * reference_unit, 600 * r_per_min, 50 * millisecond}));
                 r.requests.clear();
                 const routine_status got = run_with(r, start_segment{3}, {first, losses, loses_request});
@@ -204,7 +204,7 @@ TEST_CASE("S5: a restart is detected, and no cached word energises the motor aga
     for (const bool keeps_off : {true, false}) {
         CAPTURE(keeps_off);
         rig r{{.stores_eeprom_off = keeps_off}};
-        enable_in(r, control_mode::position);
+        be_enabled_in(r, control_mode::position);
         REQUIRE(r.drive.run(segment{1, 1000 * reference_unit, 60 * r_per_min}));
         r.model.power_cycle();
         r.wire.pass(milliseconds(1000));
@@ -232,7 +232,7 @@ TEST_CASE("S5: a restart is detected, and no cached word energises the motor aga
 
 TEST_CASE("S5: a program that only sends velocity commands detects a restart within half a second") {
     rig r{{.stores_eeprom_off = false}};
-    enable_in(r, control_mode::speed);
+    be_enabled_in(r, control_mode::speed);
     REQUIRE(r.drive.run(velocity{50 * r_per_min}));
     r.model.power_cycle();
     unsigned commands = 0;
@@ -316,11 +316,11 @@ TEST_CASE("S1: after a program has crashed at any frame of a routine, init of an
                 is_over = r.requests.size() > crash;
             }
         };
-        run_until_crash(enable{control_mode::speed});
+        run_until_crash(enable_in{control_mode::speed});
         run_until_crash(velocity{250 * r_per_min});
         run_until_crash(disable{});
         run_until_crash(segment{2, 40'000 * reference_unit, 300 * r_per_min});
-        run_until_crash(enable{control_mode::position});
+        run_until_crash(enable_in{control_mode::position});
         run_until_crash(start_segment{2});
         run_until_crash(quick_stop{});
         r.wire.pass(milliseconds(crash % 2 == 0 ? 100 : 1500));
@@ -366,7 +366,7 @@ TEST_CASE("G25: a stop replaces any command, immediately after the frame in prog
 
 TEST_CASE("G26: a stop is repeated until a read confirms it; a late response does not confirm a halt") {
     rig r;
-    enable_in(r, control_mode::speed);
+    be_enabled_in(r, control_mode::speed);
     SUBCASE("late") {
         r.wire.faults().late_response = 1000;
         r.wire.faults().late_by = milliseconds(106);
@@ -386,7 +386,7 @@ TEST_CASE("G26: a stop is repeated until a read confirms it; a late response doe
 
 TEST_CASE("G21: an unplugged line invalidates the cached state, and motion needs init afterwards") {
     rig r;
-    enable_in(r, control_mode::speed);
+    be_enabled_in(r, control_mode::speed);
     REQUIRE(r.drive.run(velocity{100 * r_per_min}));
     r.wire.unplug();
     CHECK(r.drive.run(velocity{50 * r_per_min}).error() == errc::port_lost);
@@ -412,7 +412,7 @@ TEST_CASE("a drive that is not energised as expected is switched off, and its ca
         CHECK_FALSE(r.drive.last());
     }
     SUBCASE("a fault is present when a command begins") {
-        REQUIRE(r.drive.run(enable{control_mode::position}));
+        REQUIRE(r.drive.run(enable_in{control_mode::position}));
         r.model.raise(0x620);
         CHECK(r.drive.run(start_segment{1}).error() == errc::faulted);
         CHECK(r.drive.state() == drive_state::faulted);

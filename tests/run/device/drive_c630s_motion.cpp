@@ -16,7 +16,7 @@ namespace drive_c630s_motion_tests {
 using namespace servobus;
 using namespace servobus::units;
 using namespace servobus::c630s;
-using enabled_c630s::enable_in;
+using enabled_c630s::be_enabled_in;
 using enabled_c630s::p31;
 using rig = simulated::driven_c630s;
 
@@ -32,7 +32,7 @@ TEST_CASE("S2: segments run cyclically only if the program requests it by name")
     REQUIRE(r.make_ready());
     REQUIRE(r.drive.run(segment{1, 1000 * reference_unit, 300 * r_per_min}));
     REQUIRE(r.drive.run(position_segments{}));
-    REQUIRE(r.drive.run(enable{control_mode::position, position_source::segments, segment_mode::cyclic}));
+    REQUIRE(r.drive.run(enable_in{control_mode::position, position_source::segments, segment_mode::cyclic}));
     REQUIRE(r.drive.run(start_segments{}));
     r.wire.pass(milliseconds(3000));
     REQUIRE(r.drive.read());
@@ -42,14 +42,14 @@ TEST_CASE("S2: segments run cyclically only if the program requests it by name")
     CHECK(r.drive.state() == drive_state::disabled); // the run would otherwise continue by itself
     CHECK_FALSE(r.model.enabled());
     CHECK(r.drive.run(start_segments{}).error() == errc::wrong_state);
-    REQUIRE(r.drive.run(enable{control_mode::speed}));
+    REQUIRE(r.drive.run(enable_in{control_mode::speed}));
     REQUIRE(r.live(milliseconds(500)));
     CHECK(r.model.stands_still());
 }
 
 TEST_CASE("velocity commands obey the limits and ramps of the drive in both directions") {
     rig r;
-    enable_in(r, control_mode::speed);
+    be_enabled_in(r, control_mode::speed);
     CHECK(r.drive.run(velocity{5001 * r_per_min}).error() == errc::out_of_range);
     REQUIRE(r.drive.run(top_speeds{1000 * r_per_min, 800 * r_per_min, 200 * r_per_min}));
     const auto frames = r.requests.size();
@@ -69,7 +69,7 @@ TEST_CASE("velocity commands obey the limits and ramps of the drive in both dire
 
 TEST_CASE("torque commands obey the torque limits, and the speed is limited") {
     rig r;
-    enable_in(r, control_mode::torque);
+    be_enabled_in(r, control_mode::torque);
     REQUIRE(r.drive.run(torque_speed_limits{100 * r_per_min, 100 * r_per_min}));
     REQUIRE(r.drive.run(torque_limits{30 * percent, 20 * percent}));
     CHECK(r.drive.run(torque{31 * percent}).error() == errc::out_of_range);
@@ -85,7 +85,7 @@ TEST_CASE("torque commands obey the torque limits, and the speed is limited") {
 
 TEST_CASE("6.1.3: the manual's example of 80000 units, and moves by each of the sixteen segments") {
     rig r;
-    enable_in(r, control_mode::position);
+    be_enabled_in(r, control_mode::position);
     REQUIRE(r.drive.run(segment{1, 80'000 * reference_unit, 3000 * r_per_min}));
     CHECK(r.model.peek(position_segment_displacements[0].address) == 80'000);
     std::int64_t at = 0;
@@ -116,7 +116,7 @@ TEST_CASE("6.1.3: a start while the motor moves is refused; the displacement of 
     rig r;
     REQUIRE(r.make_ready());
     REQUIRE(r.drive.run(position_segments{displacement_type::absolute}));
-    REQUIRE(r.drive.run(enable{control_mode::position}));
+    REQUIRE(r.drive.run(enable_in{control_mode::position}));
     REQUIRE(r.drive.run(segment{2, 50'000 * reference_unit, 600 * r_per_min, 100 * millisecond}));
     REQUIRE(r.drive.run(segment{3, 1000 * reference_unit, 600 * r_per_min, 100 * millisecond}));
     REQUIRE(r.drive.run(start_segment{2}));
@@ -134,7 +134,7 @@ TEST_CASE("6.1.3: a start while the motor moves is refused; the displacement of 
 
 TEST_CASE("the segment inputs hold for at least 5 ms before the start, and so does the start input") {
     rig r;
-    enable_in(r, control_mode::position);
+    be_enabled_in(r, control_mode::position);
     REQUIRE(r.drive.run(segment{5, 100 * reference_unit, 60 * r_per_min}));
     struct watcher {
         std::vector<std::uint64_t> times; // when a write of P31-00 was on the wire
@@ -161,7 +161,7 @@ TEST_CASE("make_step moves by one step with an edge of FunIN.20") {
     REQUIRE(r.make_ready());
     REQUIRE(r.drive.run(step_size{-1234 * reference_unit}));
     CHECK(r.drive.run(step_size{10'000 * reference_unit}).error() == errc::out_of_range);
-    REQUIRE(r.drive.run(enable{control_mode::position, position_source::step}));
+    REQUIRE(r.drive.run(enable_in{control_mode::position, position_source::step}));
     CHECK(r.drive.run(start_segment{1}).error() == errc::wrong_state);
     for (int i = 0; i < 3; ++i) {
         REQUIRE(r.drive.run(make_step{}));
@@ -194,7 +194,7 @@ TEST_CASE("6.2.3: speed segments run only by their own command, and inputs chang
     SUBCASE("emergency stop") { REQUIRE(r.drive.run(quick_stop{})); }
     CHECK(r.model.stands_still());
     CHECK_FALSE(r.model.enabled());
-    REQUIRE(r.drive.run(enable{control_mode::speed}));
+    REQUIRE(r.drive.run(enable_in{control_mode::speed}));
     REQUIRE(r.live(milliseconds(500)));
     CHECK(r.model.stands_still());
 }
@@ -210,13 +210,13 @@ TEST_CASE("6.2.3: a speed segment is selected only in the mode in which inputs s
     REQUIRE(r.drive.run(run_speed_segments{segment_mode::by_input, 1}));
     REQUIRE(r.drive.run(select_speed_segment{3}));
     REQUIRE(r.drive.run(disable{}));
-    REQUIRE(r.drive.run(enable{control_mode::speed}));
+    REQUIRE(r.drive.run(enable_in{control_mode::speed}));
     CHECK(r.drive.run(select_speed_segment{3}).error() == errc::wrong_state);
 }
 
 TEST_CASE("a jog runs until a halt, in both directions") {
     rig r;
-    enable_in(r, control_mode::speed);
+    be_enabled_in(r, control_mode::speed);
     CHECK(r.drive.run(jog{5001 * r_per_min}).error() == errc::out_of_range);
     for (const int way : {30, -20}) {
         REQUIRE(r.drive.run(jog{way * r_per_min}));
@@ -241,7 +241,7 @@ TEST_CASE("homing on a switch waits for the end and confirms it; a homing that d
     REQUIRE(r.drive.run(homing_by{homing_mode::forward_home_switch, 300 * r_per_min, 60 * r_per_min,
                                   100 * millisecond, 30'000}));
     CHECK(r.drive.run(home{10 * second}).error() == errc::wrong_state);
-    REQUIRE(r.drive.run(enable{control_mode::position}));
+    REQUIRE(r.drive.run(enable_in{control_mode::position}));
     SUBCASE("found") {
         REQUIRE(r.drive.run(home{30 * second}));
         REQUIRE(r.drive.read());
@@ -278,7 +278,7 @@ TEST_CASE("64-bit positions are read in one frame, in either word order") {
         rig r;
         client direct{r.line, node<device>{1}};
         REQUIRE(direct.store<pair_word_order>(checked(order)));
-        enable_in(r, control_mode::position);
+        be_enabled_in(r, control_mode::position);
         REQUIRE(r.drive.run(segment{1, -25'000 * reference_unit, 3000 * r_per_min}));
         REQUIRE(r.drive.run(start_segment{1}));
         REQUIRE(r.drive.run(wait_standstill{}));
@@ -297,7 +297,7 @@ TEST_CASE("64-bit positions are read in one frame, in either word order") {
 
 TEST_CASE("a response to 10h that carries the byte count, as the manual prints it, is accepted") {
     rig r{{.echoes_byte_count = true}};
-    enable_in(r, control_mode::position);
+    be_enabled_in(r, control_mode::position);
     REQUIRE(r.drive.run(segment{16, 500 * reference_unit, 60 * r_per_min}));
     REQUIRE(r.drive.run(start_segment{16}));
     REQUIRE(r.drive.run(wait_standstill{}));
@@ -308,7 +308,7 @@ TEST_CASE("G20: after the command timeout the drive is stopped: by a halt, or in
           "emergency stop") {
     rig r;
     SUBCASE("speed") {
-        enable_in(r, control_mode::speed);
+        be_enabled_in(r, control_mode::speed);
         r.drive.set_command_timeout(milliseconds(400));
         REQUIRE(r.drive.run(velocity{300 * r_per_min}));
         r.loop(200);
@@ -317,7 +317,7 @@ TEST_CASE("G20: after the command timeout the drive is stopped: by a halt, or in
         CHECK(r.model.enabled());
     }
     SUBCASE("jog") {
-        enable_in(r, control_mode::speed);
+        be_enabled_in(r, control_mode::speed);
         r.drive.set_command_timeout(milliseconds(400));
         REQUIRE(r.drive.run(jog{50 * r_per_min}));
         r.loop(200);
@@ -327,7 +327,8 @@ TEST_CASE("G20: after the command timeout the drive is stopped: by a halt, or in
     }
     SUBCASE("a run of segments") {
         REQUIRE(r.make_ready());
-        REQUIRE(r.drive.run(enable{control_mode::position, position_source::segments, segment_mode::cyclic}));
+        REQUIRE(
+            r.drive.run(enable_in{control_mode::position, position_source::segments, segment_mode::cyclic}));
         r.drive.set_command_timeout(milliseconds(400));
         REQUIRE(r.drive.run(segment{1, 500'000 * reference_unit, 300 * r_per_min}));
         REQUIRE(r.drive.run(start_segments{}));
@@ -337,13 +338,13 @@ TEST_CASE("G20: after the command timeout the drive is stopped: by a halt, or in
         CHECK(r.drive.state() == drive_state::disabled); // the run would continue after a quick stop
     }
     SUBCASE("a single move ends by itself") {
-        enable_in(r, control_mode::position);
+        be_enabled_in(r, control_mode::position);
         r.drive.set_command_timeout(milliseconds(400));
         REQUIRE(r.drive.run(segment{1, 20'000 * reference_unit, 60 * r_per_min}));
         REQUIRE(r.drive.begin(start_segment{1}) == errc::ok);
         r.loop(1000);
         CHECK_FALSE(r.model.stands_still());
-        REQUIRE(r.drive.run(until_arrived{}));
+        REQUIRE(r.drive.run(wait_reached{}));
         CHECK(r.drive.arrival().how == arrival_state::reached);
     }
     CHECK(r.model.stands_still());

@@ -15,7 +15,7 @@ namespace drive_c630s_settings_tests {
 using namespace servobus;
 using namespace servobus::units;
 using namespace servobus::c630s;
-using enabled_c630s::enable_in;
+using enabled_c630s::be_enabled_in;
 using enabled_c630s::p31;
 using rig = simulated::driven_c630s;
 
@@ -42,15 +42,15 @@ TEST_CASE("the usual sequence works: set-up, power cycle, enable, velocity, halt
     rig r;
     REQUIRE(r.drive.run(init{}));
     CHECK(r.drive.state() == drive_state::needs_set_up);
-    CHECK(r.drive.run(enable{control_mode::speed}).error() == errc::wrong_state);
+    CHECK(r.drive.run(enable_in{control_mode::speed}).error() == errc::wrong_state);
     REQUIRE(r.drive.run(set_up{}));
     CHECK(r.drive.needs_power_cycle());
-    CHECK(r.drive.run(enable{control_mode::speed}).error() == errc::wrong_state);
+    CHECK(r.drive.run(enable_in{control_mode::speed}).error() == errc::wrong_state);
     r.model.power_cycle();
     REQUIRE(r.drive.run(init{}));
     CHECK_FALSE(r.drive.needs_power_cycle());
     CHECK(r.drive.state() == drive_state::disabled);
-    REQUIRE(r.drive.run(enable{control_mode::speed}));
+    REQUIRE(r.drive.run(enable_in{control_mode::speed}));
     REQUIRE(r.drive.run(velocity{300 * r_per_min}));
     REQUIRE(r.live(milliseconds(1000)));
     CHECK(r.r_per_min() == 300);
@@ -114,7 +114,7 @@ TEST_CASE("S1: init first stops the motion that a crashed program left, and neit
     for (const control_mode mode : {control_mode::speed, control_mode::torque, control_mode::position}) {
         CAPTURE(static_cast<int>(mode));
         rig r;
-        enable_in(r, mode);
+        be_enabled_in(r, mode);
         if (mode == control_mode::speed) REQUIRE(r.drive.run(velocity{300 * r_per_min}));
         if (mode == control_mode::torque) REQUIRE(r.drive.run(torque{20 * percent}));
         if (mode == control_mode::position) {
@@ -149,9 +149,9 @@ TEST_CASE("S2: an enable starts nothing that preset registers would start: speed
     REQUIRE(direct.write<speed_segment_mode>(segment_mode::cyclic, *token));
     REQUIRE(direct.write<speed_command_selection>(command_selection::auxiliary, *token));
     REQUIRE(direct.write<auxiliary_speed_source>(speed_source::segments, *token));
-    SUBCASE("speed") { REQUIRE(r.drive.run(enable{control_mode::speed})); }
-    SUBCASE("torque") { REQUIRE(r.drive.run(enable{control_mode::torque})); }
-    SUBCASE("position") { REQUIRE(r.drive.run(enable{control_mode::position})); }
+    SUBCASE("speed") { REQUIRE(r.drive.run(enable_in{control_mode::speed})); }
+    SUBCASE("torque") { REQUIRE(r.drive.run(enable_in{control_mode::torque})); }
+    SUBCASE("position") { REQUIRE(r.drive.run(enable_in{control_mode::position})); }
     CHECK(r.model.enabled());
     REQUIRE(r.live(milliseconds(1500)));
     CHECK(r.model.stands_still());
@@ -163,7 +163,7 @@ TEST_CASE("S2: an enable starts nothing that preset registers would start: speed
 
 TEST_CASE("a fault switches the servo off; after a reset in the manual's order it stays off") {
     rig r;
-    enable_in(r, control_mode::speed);
+    be_enabled_in(r, control_mode::speed);
     REQUIRE(r.drive.run(velocity{100 * r_per_min}));
     REQUIRE(r.live(milliseconds(500)));
     r.model.raise(0x620, true);
@@ -182,7 +182,7 @@ TEST_CASE("a fault switches the servo off; after a reset in the manual's order i
     CHECK_FALSE(r.model.has_fault());
     CHECK_FALSE(r.model.enabled());
     CHECK(r.drive.state() == drive_state::disabled);
-    REQUIRE(r.drive.run(enable{control_mode::speed}));
+    REQUIRE(r.drive.run(enable_in{control_mode::speed}));
     REQUIRE(r.live(milliseconds(300)));
     CHECK(r.model.stands_still());
 }
@@ -210,7 +210,7 @@ TEST_CASE("the fault history is read and cleared") {
 
 TEST_CASE("a quick stop sends an emergency stop at speed, with or without a preceding init") {
     rig r;
-    enable_in(r, control_mode::speed);
+    be_enabled_in(r, control_mode::speed);
     REQUIRE(r.drive.run(velocity{500 * r_per_min}));
     REQUIRE(r.live(milliseconds(500)));
     SUBCASE("after init") {
@@ -236,7 +236,7 @@ TEST_CASE("a quick stop sends an emergency stop at speed, with or without a prec
 
 TEST_CASE("a fault reset that a stop pre-empts does not continue after it") {
     rig r;
-    enable_in(r, control_mode::speed);
+    be_enabled_in(r, control_mode::speed);
     r.model.raise(0x620);
     REQUIRE(r.drive.begin(fault_reset{}) == errc::ok);
     for (int i = 0; i < 6; ++i) r.turn();
@@ -355,9 +355,9 @@ TEST_CASE("codes outside an enumeration are refused before anything is sent") {
     rig r;
     REQUIRE(r.make_ready());
     const auto frames = r.requests.size();
-    CHECK(r.drive.run(enable{static_cast<control_mode>(9)}).error() == errc::bad_argument);
-    CHECK(r.drive.run(enable{control_mode::torque_or_speed}).error() == errc::bad_argument);
-    CHECK(r.drive.run(enable{control_mode::position, static_cast<position_source>(3)}).error() ==
+    CHECK(r.drive.run(enable_in{static_cast<control_mode>(9)}).error() == errc::bad_argument);
+    CHECK(r.drive.run(enable_in{control_mode::torque_or_speed}).error() == errc::bad_argument);
+    CHECK(r.drive.run(enable_in{control_mode::position, static_cast<position_source>(3)}).error() ==
           errc::out_of_range);
     CHECK(r.drive.run(homing_by{static_cast<homing_mode>(10)}).error() == errc::out_of_range);
     CHECK(r.drive.run(change_line{static_cast<baud_rate>(6)}).error() == errc::out_of_range);

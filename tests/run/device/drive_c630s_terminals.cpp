@@ -84,7 +84,7 @@ TEST_CASE("6.4.1: an input does not get a function that another input has, and E
     r.model.power_cycle();
     CHECK_FALSE(r.model.has_alarm(0x130));
     REQUIRE(r.drive.run(init{}));
-    REQUIRE(r.drive.run(enable{control_mode::position}));
+    REQUIRE(r.drive.run(enable_in{control_mode::position}));
 }
 
 TEST_CASE("6.4.1: each function is assigned to each input, or refused because another terminal has it") {
@@ -189,7 +189,7 @@ TEST_CASE("set_up keeps a wired alarm reset, which resets a fault while the serv
         r.model.set_input(4, false);
         r.run(20);
     };
-    REQUIRE(r.drive.run(enable{control_mode::speed}));
+    REQUIRE(r.drive.run(enable_in{control_mode::speed}));
     REQUIRE(r.drive.run(velocity{100 * r_per_min}));
     REQUIRE(r.live(milliseconds(300)));
     r.model.raise(0x620);
@@ -202,7 +202,7 @@ TEST_CASE("set_up keeps a wired alarm reset, which resets a fault while the serv
     CHECK_FALSE(r.model.enabled()); // S5: a reset leaves the servo off
     REQUIRE(r.live(milliseconds(300)));
     CHECK_FALSE(r.model.enabled());
-    REQUIRE(r.drive.run(enable{control_mode::speed}));
+    REQUIRE(r.drive.run(enable_in{control_mode::speed}));
     REQUIRE(r.live(milliseconds(300)));
     CHECK(r.model.stands_still()); // S2: without the previous target
 }
@@ -224,7 +224,7 @@ TEST_CASE("S1: set_up keeps the terminal of a wired homing start, and the termin
             REQUIRE(token);
             REQUIRE(direct.write<homing_control>(checked(how), *token));
         }
-        REQUIRE(r.drive.run(enable{control_mode::position}));
+        REQUIRE(r.drive.run(enable_in{control_mode::position}));
         CHECK(r.model.peek(homing_control.address) == 0);
         r.model.set_input(8, true);
         REQUIRE(r.live(milliseconds(500)));

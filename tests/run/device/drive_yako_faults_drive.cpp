@@ -55,13 +55,13 @@ TEST_CASE("S4: a start of any kind that is acknowledged and not executed is repo
         CHECK(r.error() == errc::not_executed);
         CHECK(a.drive.motion() == motion_check::not_seen);
         CHECK(a.drive.state() == drive_state::enabled); // the rest of the cached state is valid
-        REQUIRE(a.drive.run(stop{}));
+        REQUIRE(a.drive.run(halt{}));
     };
     const std::uint64_t start = a.wire.time_us();
     check(a.drive.run(move_by{1000 * pulse, brisk}));
     CHECK(a.wire.time_us() - start > 200'000);
     CHECK(a.wire.time_us() - start < 300'000);
-    check(a.drive.run(jog{60 * r_per_min}));
+    check(a.drive.run(velocity{60 * r_per_min}));
     check(a.drive.run(bounded_jog{1000 * pulse, brisk}));
     check(a.drive.run(closed_loop::home{homing::home_24}));
     CHECK(a.sent(start_relative_frame) == 2);
@@ -73,7 +73,7 @@ TEST_CASE("S4: a start of any kind that is acknowledged and not executed is repo
 TEST_CASE("S4: a move that the drive ignores because a stop input is active is reported as not executed") {
     closed_axis a;
     REQUIRE(a.drive.run(init{}));
-    REQUIRE(a.drive.run(release{}));
+    REQUIRE(a.drive.run(disable{}));
     REQUIRE(a.drive.run(set_input{input::x3, input_function::stop}));
     REQUIRE(a.drive.run(enable{}));
     a.model.set_input(3, true);
@@ -90,7 +90,7 @@ TEST_CASE("S4: a save or factory reset that the drive acknowledges and ignores, 
     for (const bool is_reset : {false, true}) {
         closed_axis a;
         REQUIRE(a.drive.run(init{}));
-        REQUIRE(a.drive.run(release{}));
+        REQUIRE(a.drive.run(disable{}));
         REQUIRE(a.drive.run(set_input{input::x3, input_function::jog_positive}));
         REQUIRE(a.drive.run(enable{}));
         const std::uint32_t before = a.wire.requests();
@@ -129,7 +129,7 @@ TEST_CASE("S6, A37: a restarted drive gets no position in the wrong word order a
         REQUIRE(a.drive.run(set_speed_resolution{speed_count::tenth_r_per_min}));
         a.model.power_cycle();
         a.requests.clear();
-        CHECK(a.drive.run(jog{60 * r_per_min}).error() == errc::needs_init);
+        CHECK(a.drive.run(velocity{60 * r_per_min}).error() == errc::needs_init);
         REQUIRE(a.drive.run(init{}));
         REQUIRE(a.drive.run(set_speed_resolution{speed_count::tenth_r_per_min}));
         a.model.power_cycle();
@@ -184,7 +184,7 @@ TEST_CASE("G16: a command that the drive refuses by an exception was not done, a
     take_homed(a);
     REQUIRE(a.drive.run(set_speed_resolution{speed_count::tenth_r_per_min}));
     // The model enforces the range of its words. The manual does not state whether a drive does.
-    const routine_status r = a.drive.run(jog{3000 * r_per_min});
+    const routine_status r = a.drive.run(velocity{3000 * r_per_min});
     CHECK(r.outcome() == outcome::refused);
     CHECK(r.exception() == 7);
     CHECK(a.drive.state() == drive_state::enabled);
@@ -248,7 +248,7 @@ TEST_CASE("S4: an earlier homing is not accepted after an event that may have lo
         closed_axis a;
         take_homed(a);
         REQUIRE(a.drive.run(init{}));
-        REQUIRE(a.drive.run(jog{60 * r_per_min}));
+        REQUIRE(a.drive.run(velocity{60 * r_per_min}));
         REQUIRE(a.drive.run(quick_stop{}));
         CHECK(a.drive.run(accept_position{}).error() == errc::needs_homing);
         CHECK(a.drive.run(move_to{500 * pulse}).error() == errc::needs_homing);
@@ -257,7 +257,7 @@ TEST_CASE("S4: an earlier homing is not accepted after an event that may have lo
         open_axis a;
         take_homed(a);
         REQUIRE(a.drive.run(init{}));
-        REQUIRE(a.drive.run(release{}));
+        REQUIRE(a.drive.run(disable{}));
         REQUIRE(a.drive.run(enable{}));
         CHECK(a.drive.run(accept_position{}).error() == errc::needs_homing);
     }
@@ -266,11 +266,11 @@ TEST_CASE("S4: an earlier homing is not accepted after an event that may have lo
 TEST_CASE("4.1: a jog is not interrupted by a move, which acts in positioning only") {
     closed_axis a;
     take_homed(a);
-    REQUIRE(a.drive.run(jog{60 * r_per_min}));
+    REQUIRE(a.drive.run(velocity{60 * r_per_min}));
     const std::size_t before = a.sent(start_relative_frame);
     CHECK(a.drive.run(move_by{.way = 100 * pulse, .then = while_moving::interrupt}).error() == errc::busy);
     CHECK(a.sent(start_relative_frame) == before);
-    REQUIRE(a.drive.run(stop{}));
+    REQUIRE(a.drive.run(halt{}));
     REQUIRE(a.drive.run(move_by{50'000 * pulse, gentle}));
     CHECK(a.drive.motion() == motion_check::seen);
     REQUIRE(a.drive.run(move_by{.way = -100 * pulse, .then = while_moving::interrupt}));
@@ -291,7 +291,7 @@ TEST_CASE("A54: a cleared position leaves an axis homed only where the drive say
     for (const auto homed : {sim::yako_homed::until_homing, sim::yako_homed::until_place_lost}) {
         closed_axis a{{.homed = homed}};
         take_homed(a);
-        REQUIRE(a.drive.run(move_by{500 * pulse, brisk}, until_arrived{}).how == arrival_state::reached);
+        REQUIRE(a.drive.run(move_by{500 * pulse, brisk}, wait_reached{}).how == arrival_state::reached);
         CHECK(a.drive.run(clear_position{}));
         const routine_status next = a.drive.run(move_to{100 * pulse, brisk});
         CHECK(next.error() == (homed == sim::yako_homed::until_homing ? errc::ok : errc::needs_homing));

@@ -109,7 +109,7 @@ TEST_CASE("if the line breaks between the response to a start and the read that 
         if (is_homing) {
             REQUIRE(a.drive.begin(closed_loop::home{homing::home_24}) == errc::ok);
         } else {
-            REQUIRE(a.drive.begin(jog{60 * r_per_min}) == errc::ok);
+            REQUIRE(a.drive.begin(velocity{60 * r_per_min}) == errc::ok);
         }
         while (a.model.starts() == 0) a.turn();
         REQUIRE(a.wire.requests() > before);
@@ -143,10 +143,10 @@ TEST_CASE("G15: whatever the line does, starts, enable, alarm clear and save are
             (void)a.drive.run(wanted);
             CHECK(a.sent(frame) <= 1);
             CHECK(a.model.starts() <= starts + 1);
-            (void)a.drive.run(stop{});
+            (void)a.drive.run(halt{});
         };
         once(start_relative_frame, move_by{100 * pulse, brisk});
-        once(start_jog_frame, jog{60 * r_per_min});
+        once(start_jog_frame, velocity{60 * r_per_min});
         once(start_relative_frame, bounded_jog{100 * pulse, brisk});
         once(start_homing_frame,
              closed_loop::home{homing::home_24, {}, offset_handling::stay_position_zero, milliseconds(500)});
@@ -198,14 +198,14 @@ TEST_CASE("G16, G21: an unknown outcome invalidates the cached state; nothing mo
 TEST_CASE("G21: after a lost port has returned, init is required, and it stops the axis") {
     closed_axis a;
     take_homed(a);
-    REQUIRE(a.drive.run(jog{60 * r_per_min}));
+    REQUIRE(a.drive.run(velocity{60 * r_per_min}));
     a.wire.unplug();
     CHECK(a.drive.read().error() == errc::port_lost);
     CHECK(a.drive.run(init{}).error() == errc::port_lost);
     a.run(2000);
     CHECK(a.is_moving()); // S4: no watchdog stops it
     a.wire.plug();
-    CHECK(a.drive.run(jog{60 * r_per_min}).error() == errc::needs_init);
+    CHECK(a.drive.run(velocity{60 * r_per_min}).error() == errc::needs_init);
     REQUIRE(a.drive.run(init{}));
     CHECK_FALSE(a.is_moving());
 }
@@ -243,7 +243,7 @@ TEST_CASE("on a line with random faults init stops the axis and makes it usable 
 TEST_CASE("G25, A4: a stop or a read that the drive reports as corrupted is repeated") {
     closed_axis a{{.answers_bad_crc = true}};
     take(a);
-    REQUIRE(a.drive.run(jog{60 * r_per_min}));
+    REQUIRE(a.drive.run(velocity{60 * r_per_min}));
     const auto damaged_first = [&](const auto& wanted) {
         a.wire.faults().corrupted_request = 1000;
         REQUIRE(a.drive.begin(wanted) == errc::ok);
@@ -254,10 +254,10 @@ TEST_CASE("G25, A4: a stop or a read that the drive reports as corrupted is repe
         }
         return a.drive.last();
     };
-    CHECK(damaged_first(stop{}));
+    CHECK(damaged_first(halt{}));
     CHECK(a.wire.struck() == 1);
     CHECK_FALSE(a.is_moving());
-    CHECK(damaged_first(release{}));
+    CHECK(damaged_first(disable{}));
     CHECK(a.wire.struck() == 2);
     CHECK_FALSE(a.model.enabled());
     client direct{a.line, node<closed_loop::device>{1}};

@@ -38,7 +38,7 @@ TEST_CASE("G25: a stop during any command is the next frame after the one in pro
             if (is_quick) {
                 REQUIRE(a.drive.begin(quick_stop{}) == errc::ok);
             } else {
-                REQUIRE(a.drive.begin(stop{}) == errc::ok);
+                REQUIRE(a.drive.begin(halt{}) == errc::ok);
             }
             a.finish();
             REQUIRE(a.drive.last());
@@ -54,7 +54,7 @@ TEST_CASE("G25: a stop during any command is the next frame after the one in pro
     };
     for (const bool is_quick : {false, true}) {
         check(move_by{3000 * pulse, gentle}, is_quick);
-        check(jog{60 * r_per_min}, is_quick);
+        check(velocity{60 * r_per_min}, is_quick);
         check(bounded_jog{3000 * pulse, gentle}, is_quick);
         check(closed_loop::home{homing::home_24}, is_quick);
         check(enable{}, is_quick);
@@ -75,7 +75,7 @@ TEST_CASE("G21: after a stop has pre-empted a command the cached state is correc
             take(a);
             a.begin_up_to(set_word_order{word_order_setting::low_first}, frames);
             if (a.drive.is_idle()) break;
-            REQUIRE(a.drive.begin(stop{}) == errc::ok);
+            REQUIRE(a.drive.begin(halt{}) == errc::ok);
             a.finish();
             const bool is_known = a.drive.state() != drive_state::needs_init;
             const auto held = a.model.peek(0x0019) == 0 ? word_order::high_first : word_order::low_first;
@@ -88,7 +88,7 @@ TEST_CASE("G21: after a stop has pre-empted a command the cached state is correc
             take(a);
             a.begin_up_to(set_speed_resolution{speed_count::tenth_r_per_min}, frames);
             if (a.drive.is_idle()) break;
-            REQUIRE(a.drive.begin(stop{}) == errc::ok);
+            REQUIRE(a.drive.begin(halt{}) == errc::ok);
             a.finish();
             const bool is_known = a.drive.state() != drive_state::needs_init;
             if (is_known) CHECK(static_cast<u16>(a.drive.cached().resolution) == a.model.peek(0x001A));
@@ -101,7 +101,7 @@ TEST_CASE("G21: after a stop has pre-empted a command the cached state is correc
             take_homed(a);
             a.begin_up_to(closed_loop::home{homing::home_24}, frames);
             if (a.drive.is_idle()) break;
-            REQUIRE(a.drive.begin(stop{}) == errc::ok);
+            REQUIRE(a.drive.begin(halt{}) == errc::ok);
             a.finish();
             // the declared position is still valid
             if (a.drive.cached().is_homed) CHECK(a.model.starts() == 1);
@@ -112,7 +112,7 @@ TEST_CASE("G21: after a stop has pre-empted a command the cached state is correc
             REQUIRE(a.drive.run(declare_position{500 * pulse}));
             a.begin_up_to(clear_position{}, frames);
             if (a.drive.is_idle()) break;
-            REQUIRE(a.drive.begin(stop{}) == errc::ok);
+            REQUIRE(a.drive.begin(halt{}) == errc::ok);
             a.finish();
             if (a.drive.cached().is_homed) CHECK(a.place() == 500);
         }
@@ -120,12 +120,12 @@ TEST_CASE("G21: after a stop has pre-empted a command the cached state is correc
     SUBCASE("a stop of lower priority does not replace one of higher priority") {
         closed_axis a;
         take(a);
-        REQUIRE(a.drive.run(jog{60 * r_per_min}));
-        REQUIRE(a.drive.begin(release{}) == errc::ok);
-        CHECK(a.drive.begin(stop{}) == errc::busy);
+        REQUIRE(a.drive.run(velocity{60 * r_per_min}));
+        REQUIRE(a.drive.begin(disable{}) == errc::ok);
+        CHECK(a.drive.begin(halt{}) == errc::busy);
         a.finish();
         CHECK_FALSE(a.model.enabled());
-        CHECK(a.drive.state() == drive_state::released);
+        CHECK(a.drive.state() == drive_state::disabled);
     }
 }
 
@@ -135,16 +135,16 @@ TEST_CASE("G26: a stop succeeds after the late response to a start, and the stat
         take(a);
         a.wire.faults().late_response = 1000;
         a.wire.faults().late_by = milliseconds(late);
-        (void)a.drive.run(jog{60 * r_per_min});
+        (void)a.drive.run(velocity{60 * r_per_min});
         CHECK(a.wire.struck() != 0);
         a.wire.faults() = {};
-        REQUIRE(a.drive.run(stop{}));
+        REQUIRE(a.drive.run(halt{}));
         CHECK_FALSE(a.is_moving());
     }
     closed_axis a;
     take(a);
-    REQUIRE(a.drive.run(jog{60 * r_per_min}));
-    REQUIRE(run_with_a_loss(a, stop{}, 0, true));
+    REQUIRE(a.drive.run(velocity{60 * r_per_min}));
+    REQUIRE(run_with_a_loss(a, halt{}, 0, true));
     CHECK(a.drive.last());
     CHECK_FALSE(a.is_moving());
 }
@@ -158,7 +158,7 @@ TEST_CASE("G20, S4: the command timeout also stops an axis whose cached state is
         closed_axis a;
         take(a);
         a.drive.set_command_timeout(milliseconds(1500));
-        REQUIRE(a.drive.run(jog{60 * r_per_min}));
+        REQUIRE(a.drive.run(velocity{60 * r_per_min}));
         const auto stops = a.sent(stop_frame);
         a.wire.cut_for(milliseconds(1000));
         CHECK_FALSE(a.drive.read());
@@ -177,7 +177,7 @@ TEST_CASE("G20, S4: the command timeout also stops an axis whose cached state is
     closed_axis a; // the command timeout does not pre-empt an init, which itself begins with a stop
     take(a);
     a.drive.set_command_timeout(milliseconds(400));
-    REQUIRE(a.drive.run(jog{60 * r_per_min}));
+    REQUIRE(a.drive.run(velocity{60 * r_per_min}));
     a.wire.cut_for(milliseconds(900));
     CHECK_FALSE(a.drive.read());
     a.run(1000);
@@ -209,7 +209,7 @@ TEST_CASE("5.4: a set_input_move that is interrupted at any frame leaves the old
         for (bool is_over = false; !is_over; ++n) {
             closed_axis a;
             take(a);
-            REQUIRE(a.drive.run(release{}));
+            REQUIRE(a.drive.run(disable{}));
             REQUIRE(a.drive.run(set_input{input::x3, input_function::position_move}));
             REQUIRE(a.drive.run(enable{}));
             REQUIRE(a.drive.run(declare_position{30 * pulse}));

@@ -111,7 +111,7 @@ TEST_CASE(
     REQUIRE(a.drive.run(wait_standstill{}));
     REQUIRE(a.drive.run(declare_position{0 * pulse}));
 
-    REQUIRE(a.drive.run(release{})); // the encoder follows the shaft
+    REQUIRE(a.drive.run(disable{})); // the encoder follows the shaft
     REQUIRE(a.drive.run(enable{}));
     REQUIRE(a.drive.run(move_to{50 * pulse, brisk}));
     REQUIRE(a.drive.run(wait_standstill{}));
@@ -119,20 +119,20 @@ TEST_CASE(
     open_axis o;
     take_homed(o);
     REQUIRE(o.drive.run(move_to{50 * pulse, brisk}));
-    REQUIRE(o.drive.run(release{}));
+    REQUIRE(o.drive.run(disable{}));
     CHECK_FALSE(o.drive.cached().is_homed);
     REQUIRE(o.drive.run(enable{}));
     CHECK(o.drive.run(move_to{0 * pulse, brisk}).error() == errc::needs_homing);
     REQUIRE(o.drive.run(declare_position{0 * pulse}));
     // An input that frees the motor has the same effect, if a read shows it.
-    REQUIRE(o.drive.run(release{}));
+    REQUIRE(o.drive.run(disable{}));
     REQUIRE(o.drive.run(set_input{input::x3, input_function::motor_free}));
     REQUIRE(o.drive.run(enable{}));
     REQUIRE(o.drive.run(declare_position{0 * pulse}));
     o.model.set_input(3, true);
     o.run(10);
     REQUIRE(o.drive.read());
-    CHECK(o.drive.state() == drive_state::released);
+    CHECK(o.drive.state() == drive_state::disabled);
     o.model.set_input(3, false);
     o.run(10);
     CHECK(o.drive.run(move_to{0 * pulse, brisk}).error() == errc::needs_homing);
@@ -160,30 +160,30 @@ TEST_CASE("4.2: a jog sends the manual's frames, runs at 60 r/min, is reported b
           "stop") {
     closed_axis a;
     take(a);
-    REQUIRE(a.drive.run(jog{60 * r_per_min}));
+    REQUIRE(a.drive.run(velocity{60 * r_per_min}));
     CHECK(a.sent(hex("01 10 00 1D 00 03 06 00 3C 00 64 00 64 66 DE")) == 1);
     CHECK(a.sent(hex("01 06 00 27 00 02 B8 00")) == 1);
     a.run(1000);
     CHECK(whole_rpm(a.model.view().speed) == 60);
     const auto f = a.drive.read();
     REQUIRE(f);
-    CHECK(f->velocity == 60 * r_per_min);
+    CHECK(f->speed == 60 * r_per_min);
     CHECK(f->state.is_moving());
-    CHECK(a.drive.run(jog{-60 * r_per_min}).error() == errc::busy);
+    CHECK(a.drive.run(velocity{-60 * r_per_min}).error() == errc::busy);
     CHECK(a.drive.run(move_by{10 * pulse, brisk}).error() == errc::busy);
-    REQUIRE(a.drive.run(stop{}));
+    REQUIRE(a.drive.run(halt{}));
     CHECK(a.sent(stop_frame) == 2); // one by init
     CHECK_FALSE(a.is_moving());
     CHECK(a.model.enabled());
-    REQUIRE(a.drive.run(jog{-500 * r_per_min}));
+    REQUIRE(a.drive.run(velocity{-500 * r_per_min}));
     CHECK(a.sent(modbus::write_frame(1, 0x001D, std::array<u16, 3>{0xFE0C, 100, 100})) == 1);
     a.run(1000);
-    CHECK(a.drive.read()->velocity == -500 * r_per_min);
-    REQUIRE(a.drive.run(stop{}));
-    CHECK(a.drive.run(jog{0 * r_per_min}).error() == errc::out_of_range);
-    CHECK(a.drive.run(jog{3001 * r_per_min}).error() == errc::out_of_range);
-    CHECK(a.drive.run(jog{2'000'000'000 * r_per_min}).error() == errc::out_of_range);
-    CHECK(a.drive.run(jog{5 * part<10>(r_per_min)}).error() == errc::inexact);
+    CHECK(a.drive.read()->speed == -500 * r_per_min);
+    REQUIRE(a.drive.run(halt{}));
+    CHECK(a.drive.run(velocity{0 * r_per_min}).error() == errc::out_of_range);
+    CHECK(a.drive.run(velocity{3001 * r_per_min}).error() == errc::out_of_range);
+    CHECK(a.drive.run(velocity{2'000'000'000 * r_per_min}).error() == errc::out_of_range);
+    CHECK(a.drive.run(velocity{5 * part<10>(r_per_min)}).error() == errc::inexact);
 }
 
 TEST_CASE("S4: a bounded jog ends by itself, and continues if it is commanded again") {
@@ -209,11 +209,11 @@ TEST_CASE("S4: a bounded jog ends by itself, and continues if it is commanded ag
     a.run(10'000); // without further commands the motor stops
     CHECK(a.place() - last <= 500);
     // A motion of another kind is not taken for a bounded jog.
-    REQUIRE(a.drive.run(jog{60 * r_per_min}));
+    REQUIRE(a.drive.run(velocity{60 * r_per_min}));
     CHECK(a.drive.run(on).error() == errc::busy);
-    REQUIRE(a.drive.run(stop{}));
+    REQUIRE(a.drive.run(halt{}));
     REQUIRE(a.drive.run(on));
-    REQUIRE(a.drive.run(stop{}));
+    REQUIRE(a.drive.run(halt{}));
     REQUIRE(a.drive.run(move_by{4000 * pulse, gentle}));
     CHECK(a.drive.run(on).error() == errc::busy);
 }
@@ -333,7 +333,7 @@ TEST_CASE("4.3: a homing fails if it finds no switch in time, meets the wrong li
 TEST_CASE("4.4, 4.5: a segment is written in one frame, and only inputs start it") {
     closed_axis a;
     REQUIRE(a.drive.run(init{}));
-    REQUIRE(a.drive.run(release{}));
+    REQUIRE(a.drive.run(disable{}));
     REQUIRE(a.drive.run(set_input{input::x1, input_function::pt_trigger}));
     REQUIRE(a.drive.run(set_input{input::x2, input_function::pin0}));
     REQUIRE(a.drive.run(set_input{input::x3, input_function::pv_trigger}));
@@ -372,10 +372,10 @@ TEST_CASE("4.4, 4.5: a segment is written in one frame, and only inputs start it
 TEST_CASE("4.6: a stop uses the ramp that was set before the start") {
     closed_axis a;
     take(a);
-    REQUIRE(a.drive.run(jog{600 * r_per_min, 50 * millisecond, 1000 * millisecond}));
+    REQUIRE(a.drive.run(velocity{600 * r_per_min, 50 * millisecond, 1000 * millisecond}));
     a.run(500);
     const std::uint64_t start = a.wire.time_us();
-    REQUIRE(a.drive.run(stop{}));
+    REQUIRE(a.drive.run(halt{}));
     const std::uint64_t took = a.wire.time_us() - start;
     CHECK(took > 900'000);
     CHECK(took < 1'200'000);
@@ -396,12 +396,12 @@ TEST_CASE("5.1: clear_position works only at standstill and does not count as ho
 TEST_CASE("5.4: an input ends a jog by the move that set_input_move has set") {
     closed_axis a;
     REQUIRE(a.drive.run(init{}));
-    REQUIRE(a.drive.run(release{}));
+    REQUIRE(a.drive.run(disable{}));
     REQUIRE(a.drive.run(set_input{input::x3, input_function::position_move}));
     REQUIRE(a.drive.run(enable{}));
     REQUIRE(a.drive.run(set_input_move{1500 * pulse, brisk}));
     CHECK(a.model.starts() == 0);
-    REQUIRE(a.drive.run(jog{60 * r_per_min}));
+    REQUIRE(a.drive.run(velocity{60 * r_per_min}));
     a.run(500);
     const std::int64_t before = a.place();
     a.model.set_input(3, true);

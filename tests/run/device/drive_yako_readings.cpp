@@ -45,7 +45,7 @@ template <class A> void take_homed(A& a) {
 }
 template <class A> void take_with_input(A& a, input_function as) {
     REQUIRE(a.drive.run(init{}));
-    REQUIRE(a.drive.run(release{}));
+    REQUIRE(a.drive.run(disable{}));
     REQUIRE(a.drive.run(set_input{input::x3, as}));
     REQUIRE(a.drive.run(enable{}));
 }
@@ -85,7 +85,7 @@ template <class A> void quick_stop_loses_the_place(const drive_options& by) {
 template <class A> void release_loses_the_place_of_an_open_loop(const drive_options& by) {
     A a{by};
     take_homed(a);
-    REQUIRE(a.drive.run(release{}));
+    REQUIRE(a.drive.run(disable{}));
     CHECK_FALSE(a.model.enabled());
     const routine_status r = a.drive.run(enable{});
     if (!r) {
@@ -128,7 +128,7 @@ template <class A> void init_stops_what_runs(const drive_options& by) {
         CAPTURE(what);
         A a{by};
         take(a);
-        if (what == 0) REQUIRE(a.drive.run(jog{100 * r_per_min}));
+        if (what == 0) REQUIRE(a.drive.run(velocity{100 * r_per_min}));
         if (what == 1) REQUIRE(a.drive.run(move_by{3000 * pulse, gentle}));
         // there is no switch: the motor would turn for ever
         if (what == 2) REQUIRE(begin_home_by_24(a) == errc::ok);
@@ -155,7 +155,7 @@ template <class A> void a_stop_that_a_homing_ignores_says_so(const drive_options
     while (!a.is_moving()) a.turn();
     CHECK(static_cast<bool>(a.drive.run(quick_stop{})) == by.stops_homing);
     CHECK(a.is_moving() != by.stops_homing);
-    CHECK(static_cast<bool>(a.drive.run(release{})) == by.stops_homing);
+    CHECK(static_cast<bool>(a.drive.run(disable{})) == by.stops_homing);
     if (by.stops_homing) return;
     client direct{a.line, node<device>{1}}; // as erratum A58 describes
     REQUIRE(direct.template write<auxiliary_command>(auxiliary::release));
@@ -169,9 +169,9 @@ template <class A> void a_start_that_is_not_carried_out_is_told(drive_options by
     take(a);
     CHECK(a.drive.run(move_by{1000 * pulse, brisk}).error() == errc::not_executed);
     CHECK(a.drive.motion() == motion_check::not_seen);
-    REQUIRE(a.drive.run(stop{}));
-    CHECK(a.drive.run(jog{60 * r_per_min}).error() == errc::not_executed);
-    REQUIRE(a.drive.run(stop{}));
+    REQUIRE(a.drive.run(halt{}));
+    CHECK(a.drive.run(velocity{60 * r_per_min}).error() == errc::not_executed);
+    REQUIRE(a.drive.run(halt{}));
     a.run(4000);
     CHECK(a.model.view().shaft == 0);
 }
@@ -230,7 +230,7 @@ template <class A> void a_restart_turns_at_no_other_speed(const drive_options& b
     take(a);
     if (is_closed<A>) REQUIRE(a.drive.run(set_speed_resolution{speed_count::tenth_r_per_min}));
     a.model.power_cycle();
-    const routine_status r = a.drive.run(jog{60 * r_per_min});
+    const routine_status r = a.drive.run(velocity{60 * r_per_min});
     if (!r) CHECK(r.outcome() == outcome::not_sent);
     a.run(1000);
     CHECK((a.model.view().speed + 500'000) / 1'000'000 == (r ? 60 : 0));
@@ -317,7 +317,7 @@ template <class A> void a_homing_ends_at_home(const drive_options& by) {
 template <class A> void an_alarm_holds_until_it_is_cleared(const drive_options& by) {
     A a{by};
     take(a);
-    REQUIRE(a.drive.run(jog{60 * r_per_min}));
+    REQUIRE(a.drive.run(velocity{60 * r_per_min}));
     a.run(300);
     a.model.raise_alarm(2);
     CHECK(a.drive.run(move_by{1 * pulse, brisk}).error() == errc::faulted);
@@ -345,7 +345,7 @@ template <class A> void an_interrupting_move_ends_where_it_says(const drive_opti
     a.run(100);
     REQUIRE(a.drive.run(move_by{.way = 400 * pulse, .then = while_moving::interrupt}));
     CHECK(a.drive.motion() == motion_check::unknown); // A59: it cannot be known
-    REQUIRE(a.drive.run(stop{}));
+    REQUIRE(a.drive.run(halt{}));
     REQUIRE(a.drive.run(move_by{20'000 * pulse, gentle}));
     a.run(500);
     // the move is over at the first read
@@ -412,22 +412,22 @@ TEST_CASE("A37: no speed is sent at 0.1 r/min unless requested; a drive that res
     for (const bool is_feedback : {false, true}) {
         closed_axis a{{.rescales_feedback_only = is_feedback}};
         take(a);
-        REQUIRE(a.drive.run(jog{60 * r_per_min})); // with factory settings both are alike
+        REQUIRE(a.drive.run(velocity{60 * r_per_min})); // with factory settings both are alike
         a.run(500);
         CHECK(a.model.view().speed == 60'000'000);
-        REQUIRE(a.drive.run(stop{}));
+        REQUIRE(a.drive.run(halt{}));
         client direct{a.line, node<closed_loop::device>{1}};
         REQUIRE(direct.write<closed_loop::speed_resolution>(speed_count::tenth_r_per_min));
         take(a);
         const std::uint32_t starts = a.model.starts();
-        CHECK(a.drive.run(jog{60 * r_per_min}).error() == errc::wrong_state);
+        CHECK(a.drive.run(velocity{60 * r_per_min}).error() == errc::wrong_state);
         CHECK(a.drive.run(move_by{10 * pulse, brisk}).error() == errc::wrong_state);
         CHECK(a.drive.run(move_by{10 * pulse}).error() == errc::wrong_state);
         CHECK(home_by_24(a).error() == errc::wrong_state);
         CHECK(a.model.starts() == starts);
         // The command cannot detect it, as its doc comment states.
         REQUIRE(a.drive.run(set_speed_resolution{speed_count::tenth_r_per_min}));
-        REQUIRE(a.drive.run(jog{6 * r_per_min}));
+        REQUIRE(a.drive.run(velocity{6 * r_per_min}));
         a.run(500);
         CHECK(a.model.view().speed == (is_feedback ? 60'000'000 : 6'000'000));
     }
@@ -468,10 +468,10 @@ TEST_CASE_TEMPLATE("A47: the facade reads neither 0027h nor 002Dh", A, closed_ax
     take_homed(a);
     REQUIRE(a.drive.run(set_homing_profile{120 * r_per_min, 60 * r_per_min}));
     REQUIRE(home_by_24(a));
-    REQUIRE(a.drive.run(jog{60 * r_per_min}));
+    REQUIRE(a.drive.run(velocity{60 * r_per_min}));
     REQUIRE(a.drive.run(quick_stop{}));
     REQUIRE(a.drive.run(save{}));
-    REQUIRE(a.drive.run(release{}));
+    REQUIRE(a.drive.run(disable{}));
     REQUIRE(a.drive.run(fault_reset{}));
     for (const auto& f : a.requests) {
         if (modbus::is_write(f[1])) continue;

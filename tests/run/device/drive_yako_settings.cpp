@@ -36,12 +36,12 @@ constexpr auto release_frame = hex("01 06 00 2D 00 11 D9 CF");
 TEST_CASE("5.1: during an alarm moves and enable are refused; a reset clears it once its cause is gone") {
     closed_axis a;
     take_homed(a);
-    REQUIRE(a.drive.run(jog{60 * r_per_min}));
+    REQUIRE(a.drive.run(velocity{60 * r_per_min}));
     a.run(300);
     a.model.raise_alarm(2);
     const auto f = a.drive.read();
     REQUIRE(f);
-    CHECK(f->any_fault());
+    CHECK(f->has_fault());
     CHECK(f->error == 2);
     CHECK(a.drive.run(move_by{1 * pulse, brisk}).error() == errc::faulted);
     CHECK(a.drive.run(enable{}).error() == errc::faulted);
@@ -50,7 +50,7 @@ TEST_CASE("5.1: during an alarm moves and enable are refused; a reset clears it 
     a.model.end_alarm();
     REQUIRE(a.drive.run(fault_reset{}));
     CHECK(a.sent(hex("01 06 00 2D 00 21 D9 DB")) == 2);
-    CHECK(a.drive.state() == drive_state::released);
+    CHECK(a.drive.state() == drive_state::disabled);
     CHECK(a.drive.run(move_by{1 * pulse, brisk}).error() == errc::wrong_state);
     REQUIRE(a.drive.run(enable{}));
     REQUIRE(a.drive.run(move_by{1 * pulse, brisk}));
@@ -59,24 +59,24 @@ TEST_CASE("5.1: during an alarm moves and enable are refused; a reset clears it 
 TEST_CASE("5.1: enable and release send the manual's frames; a release first stops the motor") {
     closed_axis a{{.is_enabled_at_power_on = false}};
     REQUIRE(a.drive.run(init{}));
-    CHECK(a.drive.state() == drive_state::released);
+    CHECK(a.drive.state() == drive_state::disabled);
     CHECK(a.drive.run(move_by{100 * pulse, brisk}).error() == errc::wrong_state);
     REQUIRE(a.drive.run(enable{}));
     CHECK(a.sent(enable_frame) == 1);
-    REQUIRE(a.drive.run(jog{300 * r_per_min}));
+    REQUIRE(a.drive.run(velocity{300 * r_per_min}));
     a.run(500);
-    REQUIRE(a.drive.run(release{}));
+    REQUIRE(a.drive.run(disable{}));
     CHECK(a.sent(release_frame) == 1);
     CHECK_FALSE(a.is_moving());
     CHECK_FALSE(a.model.enabled());
-    CHECK(a.drive.state() == drive_state::released);
+    CHECK(a.drive.state() == drive_state::disabled);
 }
 
 TEST_CASE("5.2: terminal functions are set only while released; polarity and user outputs are set") {
     open_axis a;
     take(a);
     CHECK(a.drive.run(set_input{input::x4, input_function::home}).error() == errc::wrong_state);
-    REQUIRE(a.drive.run(release{}));
+    REQUIRE(a.drive.run(disable{}));
     REQUIRE(a.drive.run(set_input{input::x6, input_function::stop}));
     CHECK(a.model.peek(0x0047) == 5);
     REQUIRE(a.drive.run(open_loop::set_input_polarity{{.x2 = true, .x6 = true}}));
@@ -142,11 +142,11 @@ TEST_CASE("A37: 0.1 r/min is used only after the program has requested it, and s
     closed_axis a;
     take(a);
     REQUIRE(a.drive.run(set_speed_resolution{speed_count::tenth_r_per_min}));
-    REQUIRE(a.drive.run(jog{125 * part<10>(r_per_min)}));
+    REQUIRE(a.drive.run(velocity{125 * part<10>(r_per_min)}));
     CHECK(a.model.peek(0x001D) == 125);
     a.run(500);
-    CHECK(a.drive.read()->velocity == 125 * part<10>(r_per_min));
-    REQUIRE(a.drive.run(stop{}));
+    CHECK(a.drive.read()->speed == 125 * part<10>(r_per_min));
+    REQUIRE(a.drive.run(halt{}));
     CHECK(a.drive.run(move_by{10 * pulse}).error() == errc::wrong_state);
     CHECK(a.drive.run(closed_loop::home{homing::home_24}).error() == errc::wrong_state);
     REQUIRE(a.drive.run(set_profile{gentle}));
@@ -158,14 +158,14 @@ TEST_CASE("A37: 0.1 r/min is used only after the program has requested it, and s
     REQUIRE(successor.run(init{}));
     CHECK(successor.cached().resolution == speed_count::tenth_r_per_min);
     const auto frames = a.requests.size();
-    CHECK(successor.run(jog{60 * r_per_min}).error() == errc::wrong_state);
+    CHECK(successor.run(velocity{60 * r_per_min}).error() == errc::wrong_state);
     CHECK(successor.run(move_by{10 * pulse, brisk}).error() == errc::wrong_state);
     CHECK(successor.run(move_by{10 * pulse}).error() == errc::wrong_state);
     CHECK(successor.run(set_homing_profile{60 * r_per_min, 30 * r_per_min}).error() == errc::wrong_state);
     CHECK(a.requests.size() == frames);
     REQUIRE(successor.run(set_speed_resolution{speed_count::one_r_per_min}));
     CHECK(successor.run(move_by{10 * pulse}).error() == errc::wrong_state); // 600 counts were 60 r/min
-    REQUIRE(successor.run(jog{60 * r_per_min}));
+    REQUIRE(successor.run(velocity{60 * r_per_min}));
     a.run(500);
     CHECK(whole_rpm(a.model.view().speed) == 60);
     open_axis o;
@@ -179,17 +179,17 @@ TEST_CASE("save and factory_reset work only at standstill and are sent once; a f
     REQUIRE(a.drive.run(save{}));
     CHECK(a.sent(hex("01 06 00 2D 00 42 99 F2")) == 1);
     CHECK(a.model.saves() == 1);
-    REQUIRE(a.drive.run(jog{60 * r_per_min}));
+    REQUIRE(a.drive.run(velocity{60 * r_per_min}));
     CHECK(a.drive.run(save{}).error() == errc::busy);
     CHECK(a.drive.run(factory_reset{sole_drive_on_the_line{}}).error() == errc::busy);
     CHECK(a.model.saves() == 1);
-    REQUIRE(a.drive.run(stop{}));
+    REQUIRE(a.drive.run(halt{}));
     REQUIRE(a.drive.run(set_word_order{word_order_setting::low_first}));
     REQUIRE(a.drive.run(factory_reset{sole_drive_on_the_line{}}));
     CHECK(a.sent(hex("01 06 00 2D 00 41 D9 F3")) == 1);
     CHECK(a.model.peek(0x0019) == 0);
     CHECK(a.drive.state() == drive_state::needs_init);
-    CHECK(a.drive.run(jog{60 * r_per_min}).error() == errc::needs_init);
+    CHECK(a.drive.run(velocity{60 * r_per_min}).error() == errc::needs_init);
 }
 
 TEST_CASE("2: address, baud rate and format are set, and values out of range are refused") {
@@ -220,10 +220,10 @@ TEST_CASE("feedback is one read of 0006h..000Ch") {
     CHECK(a.requests.size() == 1);
     CHECK(a.sent(modbus::read_frame(1, 0x0006, 7)) == 1);
     CHECK(f->position == -1234 * pulse);
-    CHECK(f->velocity == 0 * r_per_min);
+    CHECK(f->speed == 0 * r_per_min);
     CHECK(f->state.is_in_position());
     CHECK(f->state.is_enabled());
-    CHECK_FALSE(f->any_fault());
+    CHECK_FALSE(f->has_fault());
     CHECK(f->inputs.x3);
     CHECK_FALSE(f->inputs.x0);
 }
@@ -233,7 +233,7 @@ TEST_CASE("S1: init stops the motion that a crashed program left, and neither mo
         closed_axis a;
         a.model.attach(simulated::yako_slide());
         take(a);
-        if (what == 0) REQUIRE(a.drive.run(jog{100 * r_per_min}));
+        if (what == 0) REQUIRE(a.drive.run(velocity{100 * r_per_min}));
         if (what == 1) REQUIRE(a.drive.run(move_by{3000 * pulse, gentle}));
         if (what == 2) REQUIRE(a.drive.begin(closed_loop::home{homing::home_24}) == errc::ok);
         while (!a.is_moving()) a.turn();
@@ -255,7 +255,7 @@ TEST_CASE("before init only stops are sent, and with an invalid node address not
     closed_axis a;
     CHECK(a.drive.run(enable{}).error() == errc::needs_init);
     CHECK(a.drive.run(move_by{1 * pulse, brisk}).error() == errc::needs_init);
-    CHECK(a.drive.run(jog{1 * r_per_min}).error() == errc::needs_init);
+    CHECK(a.drive.run(velocity{1 * r_per_min}).error() == errc::needs_init);
     CHECK(a.drive.run(closed_loop::home{homing::home_24}).error() == errc::needs_init);
     CHECK(a.drive.run(save{}).error() == errc::needs_init);
     CHECK(a.drive.run(set_word_order{word_order_setting::high_first}).error() == errc::needs_init);
@@ -266,9 +266,9 @@ TEST_CASE("before init only stops are sent, and with an invalid node address not
         CHECK(nobody.run(init{}).error() == errc::bad_argument);
     }
     CHECK(a.requests.empty());
-    REQUIRE(a.drive.run(stop{}));
+    REQUIRE(a.drive.run(halt{}));
     REQUIRE(a.drive.run(quick_stop{}));
-    REQUIRE(a.drive.run(release{}));
+    REQUIRE(a.drive.run(disable{}));
     CHECK(a.drive.state() == drive_state::needs_init);
 }
 
@@ -316,7 +316,7 @@ TEST_CASE("G20: a superloop that never waits controls the axis; the axis stops a
     CHECK(a.drive.begin(enable{}) == errc::busy);
     finish();
     a.drive.set_command_timeout(milliseconds(400));
-    REQUIRE(a.drive.begin(jog{60 * r_per_min}) == errc::ok);
+    REQUIRE(a.drive.begin(velocity{60 * r_per_min}) == errc::ok);
     finish();
     const auto stops = a.sent(stop_frame);
     for (int i = 0; i < 4000; ++i) turn();

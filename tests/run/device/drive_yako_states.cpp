@@ -96,7 +96,7 @@ TEST_CASE("4.3: a homing ends only at standstill, also if an input moves the mot
     closed_axis a;
     a.model.attach(simulated::yako_slide());
     REQUIRE(a.drive.run(init{}));
-    REQUIRE(a.drive.run(release{}));
+    REQUIRE(a.drive.run(disable{}));
     REQUIRE(a.drive.run(set_input{input::x3, input_function::jog_positive}));
     REQUIRE(a.drive.run(enable{}));
     REQUIRE(a.drive.run(set_homing_profile{300 * r_per_min, 60 * r_per_min}));
@@ -140,7 +140,7 @@ TEST_CASE("4.3: after a homing beyond its time limit whose stop gets no response
 TEST_CASE("S4: an absolute set_input_move is refused for an open loop motor that an input has freed") {
     open_axis a;
     REQUIRE(a.drive.run(init{}));
-    REQUIRE(a.drive.run(release{}));
+    REQUIRE(a.drive.run(disable{}));
     REQUIRE(a.drive.run(set_input{input::x3, input_function::motor_free}));
     REQUIRE(a.drive.run(enable{}));
     REQUIRE(a.drive.run(declare_position{0 * pulse}));
@@ -157,7 +157,7 @@ TEST_CASE("S4: an absolute set_input_move is refused for an open loop motor that
 TEST_CASE("5.1: a clear_position after which the position is not zero is reported as not executed") {
     closed_axis a;
     REQUIRE(a.drive.run(init{}));
-    REQUIRE(a.drive.run(release{}));
+    REQUIRE(a.drive.run(disable{}));
     a.begin_up_to(clear_position{}, 3);
     while (a.model.writes_to(auxiliary_command.address) < 2) a.turn(); // the release was the first
     a.model.push_shaft(100);
@@ -195,11 +195,11 @@ TEST_CASE_TEMPLATE("4.1: a move that ends before its target is reported, and a j
     for (const bool is_jog : {false, true}) {
         A a;
         REQUIRE(a.drive.run(init{}));
-        REQUIRE(a.drive.run(release{}));
+        REQUIRE(a.drive.run(disable{}));
         REQUIRE(a.drive.run(set_input{input::x3, input_function::stop}));
         REQUIRE(a.drive.run(enable{}));
-        REQUIRE((is_jog ? a.drive.begin(jog{600 * r_per_min}) : a.drive.begin(move_by{900 * pulse, brisk})) ==
-                errc::ok);
+        REQUIRE((is_jog ? a.drive.begin(velocity{600 * r_per_min})
+                        : a.drive.begin(move_by{900 * pulse, brisk})) == errc::ok);
         while (a.model.starts() == 0) a.turn();
         while (a.place() < 8) a.run(1);
         a.model.set_input(3, true);

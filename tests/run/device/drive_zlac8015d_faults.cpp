@@ -20,10 +20,10 @@ namespace {
 
 constexpr auto zero_targets = modbus::write_frame(1, 0x2088, std::array<std::uint16_t, 2>{0, 0});
 
-void enable_in(rig& r, operating_mode mode) {
+void be_enabled_in(rig& r, operating_mode mode) {
     REQUIRE(r.drive.run(init{}));
     REQUIRE(r.drive.run(ramps{100 * millisecond, 100 * millisecond}));
-    REQUIRE(r.drive.run(enable{checked(mode)}));
+    REQUIRE(r.drive.run(enable_in{checked(mode)}));
     REQUIRE(r.model.enabled());
 }
 
@@ -40,7 +40,7 @@ void loop(rig& r, std::uint32_t ms) {
 
 TEST_CASE("G20: the command timeout also stops the drive while the application only reads or steps") {
     rig r{{}, {.command_timeout = milliseconds(400)}};
-    enable_in(r, operating_mode::velocity);
+    be_enabled_in(r, operating_mode::velocity);
     REQUIRE(r.drive.run(velocity{100 * r_per_min, 100 * r_per_min}));
     SUBCASE("the application reads feedback all the time") {
         const std::uint64_t end = r.wire.time_us() + 2'000'000;
@@ -69,7 +69,7 @@ TEST_CASE("G20: the command timeout also stops the drive while the application o
 
 TEST_CASE("G20: a move, which ends by itself, is not cut by the command timeout") {
     rig r{{}, {.command_timeout = milliseconds(400)}};
-    enable_in(r, operating_mode::relative_position);
+    be_enabled_in(r, operating_mode::relative_position);
     REQUIRE(r.drive.run(move_by{20'000 * pulse, 20'000 * pulse}));
     loop(r, 200);
     CHECK_FALSE(r.model.stands_still());
@@ -81,7 +81,7 @@ TEST_CASE("G20: a move, which ends by itself, is not cut by the command timeout"
 
 TEST_CASE("G20: a blocking wait is a sign of life of the application") {
     rig r{{}, {.command_timeout = milliseconds(400)}};
-    enable_in(r, operating_mode::velocity);
+    be_enabled_in(r, operating_mode::velocity);
     REQUIRE(r.drive.run(velocity{100 * r_per_min, 100 * r_per_min}));
     CHECK(r.drive.run(wait_standstill{}).error() == errc::not_reached);
     CHECK_FALSE(r.model.stands_still());
@@ -107,7 +107,7 @@ TEST_CASE("G1, G2: a stop waits for no quarantine, but what follows it does") {
 
 TEST_CASE("G26: the late response to the preceding speed does not confirm a halt") {
     rig r;
-    enable_in(r, operating_mode::velocity);
+    be_enabled_in(r, operating_mode::velocity);
     r.wire.faults().late_response = 1000;
     r.wire.faults().late_by = milliseconds(106);
     const routine_status late = r.drive.run(velocity{100 * r_per_min, 100 * r_per_min});
@@ -124,7 +124,7 @@ TEST_CASE("a halt without a preceding init stops the drive in every mode") {
     for (const operating_mode mode : {operating_mode::velocity, operating_mode::torque,
                                       operating_mode::relative_position, operating_mode::absolute_position}) {
         rig r;
-        enable_in(r, mode);
+        be_enabled_in(r, mode);
         REQUIRE(r.drive.run(torque_slope{30'000 * milliampere_per_second}));
         if (mode == operating_mode::velocity) REQUIRE(r.drive.run(velocity{90 * r_per_min, 90 * r_per_min}));
         if (mode == operating_mode::torque) REQUIRE(r.drive.run(torque{3 * ampere, 3 * ampere}));
@@ -217,7 +217,7 @@ TEST_CASE("G21: after a stop has pre-empted a command the cached state is correc
     }
     SUBCASE("a watchdog setting, pre-empted by halt") {
         rig r;
-        enable_in(r, operating_mode::velocity);
+        be_enabled_in(r, operating_mode::velocity);
         REQUIRE(r.drive.begin(watchdog{300 * millisecond}) == errc::ok);
         const std::uint32_t before = r.wire.requests();
         while (r.wire.requests() == before) turn(r);
@@ -227,7 +227,7 @@ TEST_CASE("G21: after a stop has pre-empted a command the cached state is correc
     }
     SUBCASE("a stop of lower priority does not replace one of higher priority") {
         rig r;
-        enable_in(r, operating_mode::velocity);
+        be_enabled_in(r, operating_mode::velocity);
         REQUIRE(r.drive.run(velocity{100 * r_per_min, 100 * r_per_min}));
         REQUIRE(r.drive.begin(disable{}) == errc::ok);
         CHECK(r.drive.begin(halt{}) == errc::busy);
@@ -241,7 +241,7 @@ TEST_CASE("S3: the pause is counted from the last request that the drive receive
     for (std::uint32_t ms = 850; ms < 1010; ms += 5) {
         rig r;
         r.station.set_response_delay(milliseconds(80));
-        enable_in(r, operating_mode::velocity);
+        be_enabled_in(r, operating_mode::velocity);
         REQUIRE(r.drive.run(velocity{100 * r_per_min, 100 * r_per_min}));
         r.wire.pass(milliseconds(500));
         REQUIRE(r.drive.read());
@@ -273,14 +273,14 @@ TEST_CASE("S3: with a short watchdog time, a read that is lost and repeated is n
 
 TEST_CASE("S2: an old torque target has no effect when the mode of an enabled drive changes") {
     rig r;
-    enable_in(r, operating_mode::torque);
+    be_enabled_in(r, operating_mode::torque);
     REQUIRE(r.drive.run(torque_slope{30'000 * milliampere_per_second}));
     REQUIRE(r.drive.run(brakes{brake::code_1, brake::code_1}));
     REQUIRE(r.drive.run(torque{8 * ampere, 8 * ampere}));
-    REQUIRE(r.drive.run(enable{operating_mode::velocity}));
+    REQUIRE(r.drive.run(enable_in{operating_mode::velocity}));
     REQUIRE(r.drive.run(brakes{brake::code_0, brake::code_0}));
     const std::int64_t left = r.model.left().position;
-    REQUIRE(r.drive.run(enable{operating_mode::torque}));
+    REQUIRE(r.drive.run(enable_in{operating_mode::torque}));
     REQUIRE(r.live(milliseconds(500)));
     CHECK(r.model.left().position - left < 3);
     CHECK(r.model.left().position - left > -3);
@@ -288,7 +288,7 @@ TEST_CASE("S2: an old torque target has no effect when the mode of an enabled dr
 
 TEST_CASE("a fault reset leaves the drive disabled, whatever it was before") {
     rig r;
-    enable_in(r, operating_mode::velocity);
+    be_enabled_in(r, operating_mode::velocity);
     REQUIRE(r.drive.run(fault_reset{}));
     CHECK_FALSE(r.model.enabled());
     CHECK(r.drive.state() == drive_state::disabled);
@@ -350,7 +350,7 @@ TEST_CASE("G21: a restart is detected although the shafts are locked at power-on
         CHECK(r.drive.state() == drive_state::needs_init);
     }
     SUBCASE("by a move, immediately") {
-        REQUIRE(r.drive.run(enable{operating_mode::relative_position}));
+        REQUIRE(r.drive.run(enable_in{operating_mode::relative_position}));
         r.model.power_cycle();
         CHECK(r.drive.run(move_by{100 * pulse, 100 * pulse}).error() == errc::needs_init);
         CHECK(r.drive.state() == drive_state::needs_init);
@@ -404,7 +404,7 @@ TEST_CASE("codes outside an enumeration are refused before anything is sent") {
     CHECK(r.drive.run(park{static_cast<off_on>(3)}).error() == errc::out_of_range);
     CHECK(r.drive.run(on_input_stop{static_cast<input_stop_action>(2)}).error() == errc::out_of_range);
     CHECK(r.drive.run(clear_position{static_cast<wheels>(4)}).error() == errc::out_of_range);
-    CHECK(r.drive.run(enable{checked(static_cast<operating_mode>(9))}).error() == errc::bad_argument);
+    CHECK(r.drive.run(enable_in{checked(static_cast<operating_mode>(9))}).error() == errc::bad_argument);
     CHECK(r.log.frames.size() == frames);
 }
 
@@ -421,7 +421,7 @@ TEST_CASE("S3: both speeds are slowed down together, also with a low limit") {
 
 TEST_CASE("G21: a stop whose response comes only after the watchdog time invalidates the cached state") {
     rig r;
-    enable_in(r, operating_mode::velocity);
+    be_enabled_in(r, operating_mode::velocity);
     REQUIRE(r.drive.run(velocity{50 * r_per_min, 50 * r_per_min}));
     r.wire.pass(milliseconds(850));
     r.wire.faults().lost_request = 1000;
@@ -460,7 +460,7 @@ TEST_CASE("G25: a halt that pre-empts an init goes before all other traffic, als
 TEST_CASE("a fault of a drive that responds is answered by zero targets, then by a stop, in every mode") {
     for (const operating_mode mode : {operating_mode::velocity, operating_mode::torque}) {
         rig r;
-        enable_in(r, mode);
+        be_enabled_in(r, mode);
         r.model.raise(fault::overcurrent, {});
         r.log.frames.clear();
         CHECK(r.drive.read());

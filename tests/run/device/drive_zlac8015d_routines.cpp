@@ -15,7 +15,7 @@ namespace drive_zlac8015d_routines_tests {
 using namespace servobus;
 using namespace servobus::units;
 using namespace servobus::zlac8015d;
-using enabled_zlac8015d::enable_in;
+using enabled_zlac8015d::be_enabled_in;
 using enabled_zlac8015d::fault_reset_frame;
 using enabled_zlac8015d::quick_stop_frame;
 using enabled_zlac8015d::stop_frame;
@@ -29,7 +29,7 @@ std::int64_t whole_rpm(std::int64_t micro) { return (micro + (micro < 0 ? -500'0
 
 TEST_CASE("3.1: velocity is set for both wheels in one frame, the manual's own, and for one wheel alone") {
     rig r;
-    enable_in(r, operating_mode::velocity);
+    be_enabled_in(r, operating_mode::velocity);
     REQUIRE(r.drive.run(ramps{500 * millisecond, 500 * millisecond}));
     REQUIRE(r.drive.run(velocity{100 * r_per_min, 100 * r_per_min}));
     CHECK(r.sent(hex("01 10 20 88 00 02 04 00 64 00 64 23 9C")) == 1);
@@ -55,7 +55,7 @@ TEST_CASE("3.1: velocity is set for both wheels in one frame, the manual's own, 
 
 TEST_CASE("3.2: a synchronous relative move sends the manual's frames and ends at its target") {
     rig r;
-    enable_in(r, operating_mode::relative_position);
+    be_enabled_in(r, operating_mode::relative_position);
     REQUIRE(r.drive.run(position_speed{50 * r_per_min, 50 * r_per_min}));
     REQUIRE(r.drive.run(move_by{20480 * pulse, 20480 * pulse}));
     CHECK(r.sent(hex("01 10 20 8A 00 04 08 00 00 50 00 00 00 50 00 E3 2C")) == 1);
@@ -73,7 +73,7 @@ TEST_CASE("3.2: a synchronous relative move sends the manual's frames and ends a
 
 TEST_CASE("3.2: in an asynchronous move one wheel moves and the other stays at standstill") {
     rig r;
-    enable_in(r, operating_mode::relative_position, synchronisation::asynchronous);
+    be_enabled_in(r, operating_mode::relative_position, synchronisation::asynchronous);
     REQUIRE(r.drive.run(move_left_by{20480 * pulse}));
     CHECK(r.sent(hex("01 10 20 8A 00 02 04 00 00 50 00 DE 71")) == 1);
     CHECK(r.sent(hex("01 06 20 0E 00 11 23 C5")) == 1);
@@ -90,7 +90,7 @@ TEST_CASE("3.2: in an asynchronous move one wheel moves and the other stays at s
 
 TEST_CASE("3.2: an absolute move reaches its target and returns; a target beyond 3FFFFFFFh is refused") {
     rig r;
-    enable_in(r, operating_mode::absolute_position);
+    be_enabled_in(r, operating_mode::absolute_position);
     REQUIRE(r.drive.run(move_to{5000 * pulse, -3000 * pulse}));
     REQUIRE(r.drive.run(wait_standstill{}));
     CHECK(r.model.left().position == 5000);
@@ -106,7 +106,7 @@ TEST_CASE("3.2: an absolute move reaches its target and returns; a target beyond
 
 TEST_CASE("3.2: asynchronous absolute moves move one wheel at a time") {
     rig r;
-    enable_in(r, operating_mode::absolute_position, synchronisation::asynchronous);
+    be_enabled_in(r, operating_mode::absolute_position, synchronisation::asynchronous);
     REQUIRE(r.drive.run(move_left_to{700 * pulse}));
     REQUIRE(r.drive.run(wait_standstill{}));
     REQUIRE(r.drive.run(move_right_to{-700 * pulse}));
@@ -118,7 +118,7 @@ TEST_CASE("3.2: asynchronous absolute moves move one wheel at a time") {
 TEST_CASE("3.3: torque is set for both wheels or one with the manual's frames; a current out of range is "
           "refused") {
     rig r;
-    enable_in(r, operating_mode::torque);
+    be_enabled_in(r, operating_mode::torque);
     REQUIRE(r.drive.run(torque_slope{500 * milliampere_per_second}));
     REQUIRE(r.drive.run(torque{2000 * milliampere, 2000 * milliampere}));
     CHECK(r.sent(hex("01 10 20 90 00 02 04 07 D0 07 D0 60 23")) == 1);
@@ -135,7 +135,7 @@ TEST_CASE("3.3: torque is set for both wheels or one with the manual's frames; a
 
 TEST_CASE("3.4: a quick stop holds both wheels until the next enable") {
     rig r;
-    enable_in(r, operating_mode::velocity);
+    be_enabled_in(r, operating_mode::velocity);
     REQUIRE(r.drive.run(velocity{200 * r_per_min, -200 * r_per_min}));
     REQUIRE(r.live(milliseconds(1500)));
     REQUIRE(r.drive.run(quick_stop{}));
@@ -143,7 +143,7 @@ TEST_CASE("3.4: a quick stop holds both wheels until the next enable") {
     CHECK(r.model.stands_still());
     CHECK(r.drive.state() == drive_state::quick_stopped);
     CHECK(r.drive.run(velocity{1 * r_per_min, 1 * r_per_min}).error() == errc::wrong_state);
-    REQUIRE(r.drive.run(enable{operating_mode::velocity}));
+    REQUIRE(r.drive.run(enable_in{operating_mode::velocity}));
     REQUIRE(r.live(milliseconds(500)));
     CHECK(r.model.stands_still()); // the old targets are gone
 }
@@ -151,7 +151,7 @@ TEST_CASE("3.4: a quick stop holds both wheels until the next enable") {
 TEST_CASE("3.5: a fault of one wheel stops both; a reset works only when the cause is gone and leaves the "
           "drive disabled") {
     rig r;
-    enable_in(r, operating_mode::velocity);
+    be_enabled_in(r, operating_mode::velocity);
     REQUIRE(r.drive.run(velocity{100 * r_per_min, 100 * r_per_min}));
     REQUIRE(r.live(milliseconds(1000)));
     r.model.raise(fault::none, fault::overcurrent);
@@ -163,14 +163,14 @@ TEST_CASE("3.5: a fault of one wheel stops both; a reset works only when the cau
     CHECK(r.drive.state() == drive_state::faulted);
     CHECK(r.drive.cause() == stop_cause::fault);
     CHECK(r.drive.run(velocity{1 * r_per_min, 1 * r_per_min}).error() == errc::faulted);
-    CHECK(r.drive.run(enable{operating_mode::velocity}).error() == errc::faulted);
+    CHECK(r.drive.run(enable_in{operating_mode::velocity}).error() == errc::faulted);
     CHECK(r.drive.run(fault_reset{}).error() == errc::faulted);
     CHECK(r.sent(fault_reset_frame) == 1);
     r.model.end_faults();
     REQUIRE(r.drive.run(fault_reset{}));
     CHECK_FALSE(r.model.enabled());
     CHECK(r.drive.state() == drive_state::disabled);
-    REQUIRE(r.drive.run(enable{operating_mode::velocity}));
+    REQUIRE(r.drive.run(enable_in{operating_mode::velocity}));
 }
 
 TEST_CASE("3.6, 3.7: brakes, the action of a stop input and the quick stop option are set, and a stop input "
@@ -186,7 +186,7 @@ TEST_CASE("3.6, 3.7: brakes, the action of a stop input and the quick stop optio
     REQUIRE(r.drive.run(brakes{brake::code_0, brake::code_0}));
     REQUIRE(r.drive.run(quick_stop_by{quick_stop_option::fast_deceleration}));
     CHECK(r.model.peek(0x2011) == 6);
-    REQUIRE(r.drive.run(enable{operating_mode::velocity}));
+    REQUIRE(r.drive.run(enable_in{operating_mode::velocity}));
     REQUIRE(r.drive.run(velocity{50 * r_per_min, 50 * r_per_min}));
     REQUIRE(r.live(milliseconds(800)));
     r.model.set_input(true, false);
@@ -216,7 +216,7 @@ TEST_CASE("ramps, parking, watchdog, position clearing, save and factory reset w
     CHECK(r.drive.run(watchdog{33 * second}).error() == errc::out_of_range);
     REQUIRE(r.drive.run(save{}));
     CHECK(r.model.saves() == 1);
-    REQUIRE(r.drive.run(enable{operating_mode::relative_position}));
+    REQUIRE(r.drive.run(enable_in{operating_mode::relative_position}));
     REQUIRE(r.drive.run(move_by{100 * pulse, 200 * pulse}));
     REQUIRE(r.drive.run(wait_standstill{}));
     REQUIRE(r.drive.run(clear_position{wheels::right}));
@@ -237,7 +237,7 @@ TEST_CASE("2022h scales commands: a speed is exact in every resolution, or refus
         rig r;
         REQUIRE(r.drive.run(init{}));
         REQUIRE(r.drive.run(resolution{n}));
-        REQUIRE(r.drive.run(enable{operating_mode::velocity}));
+        REQUIRE(r.drive.run(enable_in{operating_mode::velocity}));
         REQUIRE(r.drive.run(velocity{60 * r_per_min, -60 * r_per_min}));
         CHECK(r.model.peek(0x2088) == 60 * n);
         REQUIRE(r.live(milliseconds(1500)));
@@ -255,7 +255,7 @@ TEST_CASE("2022h scales commands: a speed is exact in every resolution, or refus
 
 TEST_CASE("a speed above 2008h is refused before anything is sent, for either wheel") {
     rig r;
-    enable_in(r, operating_mode::velocity);
+    be_enabled_in(r, operating_mode::velocity);
     const auto frames = r.log.frames.size();
     CHECK(r.drive.run(velocity{1001 * r_per_min, 0 * r_per_min}).error() == errc::out_of_range);
     CHECK(r.drive.run(velocity{0 * r_per_min, -1001 * r_per_min}).error() == errc::out_of_range);
@@ -280,7 +280,7 @@ TEST_CASE("before init, or with an invalid node address, nothing is sent") {
 
 TEST_CASE("values outside their range are refused before anything is sent") {
     rig r;
-    enable_in(r, operating_mode::velocity);
+    be_enabled_in(r, operating_mode::velocity);
     const auto frames = r.log.frames.size();
     CHECK(r.drive.run(ramps{33 * second, 1 * second}).error() == errc::out_of_range);
     CHECK(r.drive.run(ramps{1 * second, -1 * millisecond}).error() == errc::out_of_range);

@@ -17,7 +17,7 @@ namespace drive_zlac8015d_safety_tests {
 using namespace servobus;
 using namespace servobus::units;
 using namespace servobus::zlac8015d;
-using enabled_zlac8015d::enable_in;
+using enabled_zlac8015d::be_enabled_in;
 using enabled_zlac8015d::fault_reset_frame;
 using enabled_zlac8015d::quick_stop_frame;
 using enabled_zlac8015d::stop_frame;
@@ -56,7 +56,7 @@ TEST_CASE("S1: init stops the motion that a crashed program left, and neither mo
     for (const operating_mode mode : {operating_mode::velocity, operating_mode::torque,
                                       operating_mode::relative_position, operating_mode::absolute_position}) {
         rig r;
-        enable_in(r, mode);
+        be_enabled_in(r, mode);
         if (mode == operating_mode::velocity)
             REQUIRE(r.drive.run(velocity{300 * r_per_min, -300 * r_per_min}));
         REQUIRE(r.drive.run(torque_slope{30'000 * milliampere_per_second}));
@@ -100,10 +100,10 @@ TEST_CASE("S1: after a program has crashed at any frame of a routine, init of an
             }
         };
         run_until_crash(init{});
-        run_until_crash(enable{operating_mode::velocity});
+        run_until_crash(enable_in{operating_mode::velocity});
         run_until_crash(velocity{250 * r_per_min, 100 * r_per_min});
         run_until_crash(disable{});
-        run_until_crash(enable{operating_mode::relative_position});
+        run_until_crash(enable_in{operating_mode::relative_position});
         run_until_crash(move_by{40000 * pulse, 40000 * pulse});
         r.wire.pass(milliseconds(crash % 2 == 0 ? 100 : 3000));
         r.log.frames.clear();
@@ -127,7 +127,7 @@ TEST_CASE("S2: targets are zeroed and read back before every enable, so old ones
         REQUIRE(direct.write<left_target_speed>(raw(500)));
         REQUIRE(direct.write<right_target_torque>(2 * ampere));
         REQUIRE(direct.write<left_target_position>(10000));
-        REQUIRE(r.drive.run(enable{checked(mode)}));
+        REQUIRE(r.drive.run(enable_in{checked(mode)}));
         REQUIRE(r.live(milliseconds(1500)));
         CHECK(r.model.stands_still());
         CHECK(r.model.left().position == 0);
@@ -141,7 +141,7 @@ TEST_CASE(
     "S3: the first frame after a gap is zero targets or stop, never a read, and motion does not resume") {
     for (const bool resumes : {true, false}) {
         rig r{{.resumes_after_watchdog = resumes}};
-        enable_in(r, operating_mode::velocity);
+        be_enabled_in(r, operating_mode::velocity);
         REQUIRE(r.drive.run(velocity{100 * r_per_min, 100 * r_per_min}));
         REQUIRE(r.live(milliseconds(1000)));
         r.wire.pass(milliseconds(2500)); // the program sleeps; the drive's watchdog stops it
@@ -149,7 +149,7 @@ TEST_CASE(
         r.log.frames.clear();
         CHECK(r.drive.read().error() == errc::needs_init);
         CHECK(r.drive.run(velocity{10 * r_per_min, 10 * r_per_min}).error() == errc::needs_init);
-        CHECK(r.drive.run(enable{operating_mode::velocity}).error() == errc::needs_init);
+        CHECK(r.drive.run(enable_in{operating_mode::velocity}).error() == errc::needs_init);
         CHECK(r.log.frames.empty());
         SUBCASE("init") { REQUIRE(r.drive.run(init{})); }
         SUBCASE("quick stop") { REQUIRE(r.drive.run(quick_stop{})); }
@@ -164,13 +164,13 @@ TEST_CASE(
 
 TEST_CASE("S3: the mode changes only at standstill") {
     rig r;
-    enable_in(r, operating_mode::velocity);
+    be_enabled_in(r, operating_mode::velocity);
     REQUIRE(r.drive.run(velocity{100 * r_per_min, 100 * r_per_min}));
     REQUIRE(r.live(milliseconds(500)));
     const auto before = r.sent(modbus::write_frame(1, 0x200D, 1));
-    CHECK(r.drive.run(enable{operating_mode::relative_position}).error() == errc::busy);
+    CHECK(r.drive.run(enable_in{operating_mode::relative_position}).error() == errc::busy);
     CHECK(r.sent(modbus::write_frame(1, 0x200D, 1)) == before);
-    CHECK(r.drive.run(enable{checked(operating_mode::undefined)}).error() == errc::bad_argument);
+    CHECK(r.drive.run(enable_in{checked(operating_mode::undefined)}).error() == errc::bad_argument);
 }
 
 TEST_CASE("S3, G15: a relative move is made at most once, whichever frame is lost; after a start of unknown "
@@ -180,7 +180,7 @@ TEST_CASE("S3, G15: a relative move is made at most once, whichever frame is los
     for (std::uint32_t lost = 0; lost < 8; ++lost) {
         for (const bool lose_response : {false, true}) {
             rig r;
-            enable_in(r, operating_mode::relative_position);
+            be_enabled_in(r, operating_mode::relative_position);
             const std::uint32_t first = r.wire.requests();
             REQUIRE(r.drive.begin(move_by{4096 * pulse, 4096 * pulse}) == errc::ok);
             while (!r.drive.is_idle()) {
@@ -218,7 +218,7 @@ TEST_CASE(
     unsigned struck = 0;
     for (std::uint64_t seed = 1; seed <= 300; ++seed) {
         rig r{{}, unsupervised, seed};
-        enable_in(r, operating_mode::relative_position);
+        be_enabled_in(r, operating_mode::relative_position);
         r.wire.faults() = {.lost_request = 50,
                            .corrupted_request = 50,
                            .lost_response = 100,
@@ -233,7 +233,7 @@ TEST_CASE(
         CHECK(r.sent(fault_reset_frame) <= 1);
         (void)r.drive.run(save{});
         CHECK(r.sent(modbus::write_frame(1, 0x2010, 1)) <= 1);
-        (void)r.drive.run(enable{operating_mode::velocity});
+        (void)r.drive.run(enable_in{operating_mode::velocity});
         CHECK(r.sent(enable_frame) <= 1);
         (void)r.drive.run(disable{});
         (void)r.drive.run(factory_reset{sole_drive_on_the_line{}});
@@ -245,7 +245,7 @@ TEST_CASE(
 
 TEST_CASE("G16, G21: an unknown outcome invalidates the cached state; nothing moves before init") {
     rig r;
-    enable_in(r, operating_mode::velocity);
+    be_enabled_in(r, operating_mode::velocity);
     r.wire.faults().lost_response = 1000;
     const routine_status lost = r.drive.run(velocity{50 * r_per_min, 50 * r_per_min});
     CHECK(lost.outcome() == outcome::unknown);
@@ -257,14 +257,14 @@ TEST_CASE("G16, G21: an unknown outcome invalidates the cached state; nothing mo
     CHECK(r.drive.run(velocity{50 * r_per_min, 50 * r_per_min}).outcome() == outcome::not_sent);
     REQUIRE(r.drive.run(init{}));
     CHECK(r.model.stands_still());
-    REQUIRE(r.drive.run(enable{operating_mode::velocity}));
+    REQUIRE(r.drive.run(enable_in{operating_mode::velocity}));
     REQUIRE(r.drive.run(velocity{50 * r_per_min, 50 * r_per_min}));
 }
 
 TEST_CASE("G21: a restart is detected by a read, by an enable and by a move") {
     {
         rig r;
-        enable_in(r, operating_mode::velocity);
+        be_enabled_in(r, operating_mode::velocity);
         r.model.power_cycle();
         REQUIRE(r.drive.read());
         CHECK(r.drive.state() == drive_state::needs_init);
@@ -274,13 +274,13 @@ TEST_CASE("G21: a restart is detected by a read, by an enable and by a move") {
         REQUIRE(r.drive.run(init{}));
         REQUIRE(r.drive.run(resolution{10}));
         r.model.power_cycle(); // the resolution was not saved
-        CHECK(r.drive.run(enable{operating_mode::velocity}).error() == errc::needs_init);
+        CHECK(r.drive.run(enable_in{operating_mode::velocity}).error() == errc::needs_init);
         CHECK(r.drive.state() == drive_state::needs_init);
         CHECK(r.sent(enable_frame) == 0);
     }
     {
         rig r;
-        enable_in(r, operating_mode::relative_position);
+        be_enabled_in(r, operating_mode::relative_position);
         r.model.power_cycle();
         CHECK(r.drive.run(move_by{100 * pulse, 100 * pulse}).error() == errc::needs_init);
         CHECK(r.model.starts() == 0);
@@ -289,7 +289,7 @@ TEST_CASE("G21: a restart is detected by a read, by an enable and by a move") {
 
 TEST_CASE("G21: after a lost port has returned, init is required, and motion does not resume") {
     rig r;
-    enable_in(r, operating_mode::velocity);
+    be_enabled_in(r, operating_mode::velocity);
     REQUIRE(r.drive.run(velocity{100 * r_per_min, 100 * r_per_min}));
     REQUIRE(r.live(milliseconds(500)));
     r.wire.unplug();
@@ -306,7 +306,7 @@ TEST_CASE("G21: after a lost port has returned, init is required, and motion doe
 
 TEST_CASE("G20: after the command timeout one halt is sent and confirmed; motion does not resume") {
     rig r{{}, {.command_timeout = milliseconds(400)}};
-    enable_in(r, operating_mode::velocity);
+    be_enabled_in(r, operating_mode::velocity);
     REQUIRE(r.drive.run(velocity{100 * r_per_min, 100 * r_per_min}));
     r.log.frames.clear();
     const auto loop = [&](std::uint32_t ms) {
@@ -337,7 +337,7 @@ TEST_CASE("G20: after the command timeout one halt is sent and confirmed; motion
 TEST_CASE("without a command timeout the facade sends nothing by itself, and the drive's watchdog stops the "
           "wheels") {
     rig r;
-    enable_in(r, operating_mode::velocity);
+    be_enabled_in(r, operating_mode::velocity);
     REQUIRE(r.drive.run(velocity{100 * r_per_min, 100 * r_per_min}));
     const auto frames = r.log.frames.size();
     for (int i = 0; i < 3000; ++i) {
@@ -393,7 +393,7 @@ TEST_CASE("on a line with random faults init stops the drive and makes it usable
         for (int i = 0; i < 40; ++i) {
             if (!drive.run(init{})) continue;
             CHECK(model.stands_still());
-            if (!drive.run(enable{operating_mode::velocity})) continue;
+            if (!drive.run(enable_in{operating_mode::velocity})) continue;
             if (!drive.run(velocity{100 * r_per_min, -100 * r_per_min})) continue;
             for (int k = 0; k < 5; ++k) {
                 const auto f = drive.read();

@@ -72,14 +72,14 @@ TEST_CASE("S3: the state that one shaft reports holds for both, also without a f
         };
         odd_rig r;
         REQUIRE(r.drive.run(init{}));
-        REQUIRE(r.drive.run(enable{operating_mode::velocity}));
+        REQUIRE(r.drive.run(enable_in{operating_mode::velocity}));
         REQUIRE(r.drive.read());
         REQUIRE(r.drive.state() == drive_state::enabled);
         r.model().odd_address = status_word.address;
         SUBCASE("alarm") {
             r.model().odd_word = word(shaft_state::alarm);
             REQUIRE(r.drive.read());
-            CHECK_FALSE(r.drive.feedback(milliseconds(2000))->any_fault());
+            CHECK_FALSE(r.drive.feedback(milliseconds(2000))->has_fault());
             CHECK(r.drive.state() == drive_state::faulted);
             CHECK_FALSE(r.model().enabled());
         }
@@ -99,7 +99,7 @@ TEST_CASE("S3: the state that one shaft reports holds for both, also without a f
 TEST_CASE("G16: a start that the drive refuses was not executed, and no positions are compared") {
     odd_rig r;
     REQUIRE(r.drive.run(init{}));
-    REQUIRE(r.drive.run(enable{operating_mode::relative_position}));
+    REQUIRE(r.drive.run(enable_in{operating_mode::relative_position}));
     r.model().refused = static_cast<u16>(control_code::start_both);
     const routine_status got = r.drive.run(move_by{1000 * pulse, 1000 * pulse});
     CHECK(got.error() == errc::exception);
@@ -114,7 +114,7 @@ TEST_CASE("S3: after a start that got no response for longer than the watchdog t
     patient.limits.response = milliseconds(1200);
     odd_rig r{patient};
     REQUIRE(r.drive.run(init{}));
-    REQUIRE(r.drive.run(enable{operating_mode::relative_position}));
+    REQUIRE(r.drive.run(enable_in{operating_mode::relative_position}));
     constexpr std::size_t start_frame = 3; // after the mode, the feedback and the positions
     r.port.plan(simulated::mishap::no_more_responses, start_frame);
     const routine_status got = r.drive.run(move_by{100'000 * pulse, 100'000 * pulse});
@@ -133,7 +133,7 @@ TEST_CASE("S3: whichever frame of an init a returning drive receives first, its 
         CAPTURE(ms);
         rig r;
         REQUIRE(r.drive.run(init{}));
-        REQUIRE(r.drive.run(enable{operating_mode::velocity}));
+        REQUIRE(r.drive.run(enable_in{operating_mode::velocity}));
         REQUIRE(r.drive.run(velocity{30 * r_per_min, 30 * r_per_min}));
         r.wire.pass(milliseconds(500));
         r.wire.set_connected(0, false);
@@ -161,7 +161,7 @@ TEST_CASE("S4: after a start without a response, motion is seen also if the whee
             rig r;
             REQUIRE(r.drive.run(init{}));
             REQUIRE(r.drive.run(ramps{10 * millisecond, 10 * millisecond}));
-            REQUIRE(r.drive.run(enable{operating_mode::relative_position}));
+            REQUIRE(r.drive.run(enable_in{operating_mode::relative_position}));
             const distance way = pulses * pulse;
             REQUIRE(r.drive.begin(move_by{is_left ? way : 0 * pulse, is_left ? 0 * pulse : way}) == errc::ok);
             const auto start_frame =
@@ -187,7 +187,7 @@ TEST_CASE("speeds in tenths of a r/min are limited to a word of 3000, and a clam
     rig r;
     REQUIRE(r.drive.run(init{}));
     REQUIRE(r.drive.run(resolution{10}));
-    REQUIRE(r.drive.run(enable{operating_mode::velocity}));
+    REQUIRE(r.drive.run(enable_in{operating_mode::velocity}));
     REQUIRE(r.drive.cached().max_speed > 300);
     const std::size_t frames = r.log.frames.size();
     CHECK(r.drive.run(velocity{301 * r_per_min, 0 * r_per_min}).error() == errc::out_of_range);
@@ -207,11 +207,11 @@ TEST_CASE("targets and distances beyond the drive's range are refused in either 
     constexpr std::int32_t lowest = -0x7FFF'FFFF - 1;
     rig r;
     REQUIRE(r.drive.run(init{}));
-    REQUIRE(r.drive.run(enable{operating_mode::relative_position}));
+    REQUIRE(r.drive.run(enable_in{operating_mode::relative_position}));
     CHECK(r.drive.run(move_by{distance{lowest}, 0 * pulse}).error() == errc::out_of_range);
     CHECK(r.drive.run(move_by{0 * pulse, distance{lowest}}).error() == errc::out_of_range);
     REQUIRE(r.drive.run(disable{}));
-    REQUIRE(r.drive.run(enable{operating_mode::absolute_position}));
+    REQUIRE(r.drive.run(enable_in{operating_mode::absolute_position}));
     CHECK(r.drive.run(move_to{0 * pulse, -0x4000'0000 * pulse}).error() == errc::out_of_range);
     CHECK(r.drive.run(move_to{0x4000'0000 * pulse, 0 * pulse}).error() == errc::out_of_range);
     CHECK(r.model.starts() == 0);
@@ -221,7 +221,7 @@ TEST_CASE("a halt is refused in the position modes, where the drive has none, an
     for (const operating_mode mode : {operating_mode::relative_position, operating_mode::absolute_position}) {
         rig r;
         REQUIRE(r.drive.run(init{}));
-        REQUIRE(r.drive.run(enable{checked(mode)}));
+        REQUIRE(r.drive.run(enable_in{checked(mode)}));
         const std::size_t frames = r.log.frames.size();
         CHECK(r.drive.run(halt{}).error() == errc::wrong_state);
         CHECK(r.log.frames.size() == frames);
@@ -244,7 +244,7 @@ struct endless_move {
 TEST_CASE("G20: in a position mode the command timeout stops the wheels by a quick stop") {
     rig r{{}, {.command_timeout = milliseconds(300)}};
     REQUIRE(r.drive.run(init{}));
-    REQUIRE(r.drive.run(enable{operating_mode::relative_position}));
+    REQUIRE(r.drive.run(enable_in{operating_mode::relative_position}));
     REQUIRE(r.drive.run(endless_move{100'000 * pulse}));
     const std::uint64_t end = r.wire.time_us() + 2'000'000;
     while (r.wire.time_us() < end) {
@@ -267,7 +267,7 @@ TEST_CASE("a fault of either wheel is a fault of the drive") {
             const result<feedback> seen = r.drive.read();
             REQUIRE(seen);
             const bool is_any = left != fault::none || right != fault::none;
-            CHECK(seen->any_fault() == is_any);
+            CHECK(seen->has_fault() == is_any);
             CHECK((r.drive.state() == drive_state::faulted) == is_any);
         }
     }
@@ -279,7 +279,7 @@ TEST_CASE("before init a command that needs a disabled drive says that init is m
     CHECK(r.drive.run(resolution{10}).error() == errc::needs_init);
     CHECK(r.log.frames.empty());
     REQUIRE(r.drive.run(init{}));
-    REQUIRE(r.drive.run(enable{operating_mode::velocity}));
+    REQUIRE(r.drive.run(enable_in{operating_mode::velocity}));
     CHECK(r.drive.run(save{}).error() == errc::wrong_state);
     CHECK(r.drive.run(resolution{10}).error() == errc::wrong_state);
     REQUIRE(r.drive.run(disable{}));
@@ -307,7 +307,7 @@ TEST_CASE(
     const axis_status released{shaft_state::released, false};
     r.model().odd_address = status_word.address;
     r.model().odd_word = status_flags{released, released}.to_word();
-    CHECK(r.drive.run(enable{operating_mode::velocity}).error() == errc::not_reached);
+    CHECK(r.drive.run(enable_in{operating_mode::velocity}).error() == errc::not_reached);
     CHECK_FALSE(r.model().enabled());
     CHECK(r.drive.state() == drive_state::needs_init);
     CHECK(r.drive.run(velocity{1 * r_per_min, 1 * r_per_min}).error() == errc::needs_init);

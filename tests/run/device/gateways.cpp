@@ -144,7 +144,7 @@ TEST_CASE_TEMPLATE(
     REQUIRE(drive.run(c::set_up{}));
     machine.power_cycle();
     REQUIRE(drive.run(c::init{}));
-    REQUIRE(drive.run(c::enable{c::control_mode::speed}));
+    REQUIRE(drive.run(c::enable_in{c::control_mode::speed}));
     REQUIRE(drive.run(c::velocity{100 * r_per_min}));
     port.is_cut = true;
     const routine_status s = drive.run(c::velocity{200 * r_per_min});

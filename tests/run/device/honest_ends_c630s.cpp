@@ -31,7 +31,7 @@ struct cut_move {
     bool has_begun = false;
 
     cut_move() {
-        const bool is_ready = machine.make_ready() && machine.drive.run(enable{control_mode::position}) &&
+        const bool is_ready = machine.make_ready() && machine.drive.run(enable_in{control_mode::position}) &&
                               machine.drive.run(segment{1, way, 600 * r_per_min, 100 * millisecond});
         const std::int64_t from = machine.model.position();
         if (!is_ready || !machine.drive.run(start_segment{1})) return;
@@ -80,7 +80,7 @@ namespace {
 /// A ready drive in position control, with a segment of so many reference units.
 void begin_move(rig& r, std::int32_t units, speed at = 600 * r_per_min) {
     REQUIRE(r.make_ready());
-    REQUIRE(r.drive.run(enable{control_mode::position}));
+    REQUIRE(r.drive.run(enable_in{control_mode::position}));
     REQUIRE(r.drive.run(segment{1, units * reference_unit, at, 100 * millisecond}));
     REQUIRE(r.drive.run(start_segment{1}));
 }
@@ -94,7 +94,7 @@ TEST_CASE("G34: a reverse move that the negative limit switch interrupts ends sh
         begin_move(r, -120'000);
         r.run(ms);
         r.model.set_input(3, true); // DI3 is the negative limit from the factory
-        CHECK(r.drive.run(until_arrived{}).error() == errc::stopped_short);
+        CHECK(r.drive.run(wait_reached{}).error() == errc::stopped_short);
         const arrival there = r.drive.arrival();
         CHECK(there.how == arrival_state::stopped_short);
         CHECK(there.cause == stop_cause::input);
@@ -109,14 +109,14 @@ TEST_CASE("G34: the cause of a stop is unknown while another fault record is cho
     REQUIRE(direct.write<selected_fault_record>(fault_record::ninth_last));
     r.run(200);
     r.model.set_input(6, true);
-    CHECK(r.drive.run(until_arrived{}).error() == errc::stopped_short);
+    CHECK(r.drive.run(wait_reached{}).error() == errc::stopped_short);
     CHECK(r.drive.arrival().cause == stop_cause::unknown);
 }
 
 TEST_CASE("G34: a limit switch of a record before the present one does not refuse a move") {
     rig r;
     REQUIRE(r.make_ready());
-    REQUIRE(r.drive.run(enable{control_mode::position}));
+    REQUIRE(r.drive.run(enable_in{control_mode::position}));
     REQUIRE(r.drive.run(segment{1, 20'000 * reference_unit, 600 * r_per_min, 20 * millisecond}));
     r.model.set_input(2, true); // DI2 is the positive limit from the factory
     r.run(100);
@@ -126,30 +126,30 @@ TEST_CASE("G34: a limit switch of a record before the present one does not refus
     client direct{r.line, node<device>{1}};
     REQUIRE(direct.write<selected_fault_record>(fault_record::last));
     REQUIRE(r.model.peek(recorded_alarm.address) == 0x950);
-    CHECK(r.drive.run(start_segment{1}, until_arrived{}).how == arrival_state::reached);
+    CHECK(r.drive.run(start_segment{1}, wait_reached{}).how == arrival_state::reached);
 }
 
 TEST_CASE("a motor that accelerates at its torque limit is not taken to be blocked") {
     rig r;
     REQUIRE(r.make_ready());
     REQUIRE(r.drive.run(torque_limits{3 * percent, 3 * percent}));
-    REQUIRE(r.drive.run(enable{control_mode::position}));
+    REQUIRE(r.drive.run(enable_in{control_mode::position}));
     REQUIRE(r.drive.run(segment{1, 20'000 * reference_unit, 900 * r_per_min, 1 * millisecond}));
-    const arrival there = r.drive.run(start_segment{1}, until_arrived{});
+    const arrival there = r.drive.run(start_segment{1}, wait_reached{});
     CHECK(there.how == arrival_state::reached);
 }
 
 TEST_CASE(
-    "wait_standstill waits for a run of segments by the drive's own word, and until_arrived is refused") {
+    "wait_standstill waits for a run of segments by the drive's own word, and wait_reached is refused") {
     rig r;
     REQUIRE(r.make_ready());
     REQUIRE(r.drive.run(position_segments{.last = 2}));
     for (const int n : {1, 2})
         REQUIRE(r.drive.run(segment{checked(n), 10'000 * reference_unit, 600 * r_per_min, 10 * millisecond}));
-    REQUIRE(r.drive.run(enable{control_mode::position, position_source::segments, segment_mode::single}));
+    REQUIRE(r.drive.run(enable_in{control_mode::position, position_source::segments, segment_mode::single}));
     const std::int64_t from = r.model.position();
     REQUIRE(r.drive.run(start_segments{}));
-    CHECK(r.drive.run(until_arrived{}).error() == errc::wrong_state);
+    CHECK(r.drive.run(wait_reached{}).error() == errc::wrong_state);
     REQUIRE(r.drive.run(wait_standstill{}));
     CHECK(r.drive.arrival().how == arrival_state::none);
     CHECK(r.model.stands_still());
@@ -159,7 +159,7 @@ TEST_CASE(
 TEST_CASE("a move that is refused has no arrival, and a status that is not read has no value") {
     rig r;
     REQUIRE(r.make_ready());
-    CHECK(r.drive.run(start_segment{1}, until_arrived{}).how == arrival_state::none);
+    CHECK(r.drive.run(start_segment{1}, wait_reached{}).how == arrival_state::none);
     CHECK(r.drive.last().error() == errc::wrong_state);
     r.wire.unplug();
     CHECK_FALSE(r.drive.read_status());

@@ -26,7 +26,7 @@ template <class A> struct move_that_is_cut_short {
     move_that_is_cut_short() {
         const motion_profile by{10 * r_per_min, 100 * millisecond, 100 * millisecond, 600 * r_per_min};
         REQUIRE(axis.drive.run(init{}));
-        REQUIRE(axis.drive.run(release{}));
+        REQUIRE(axis.drive.run(disable{}));
         REQUIRE(axis.drive.run(set_input{input::x3, input_function::stop}));
         REQUIRE(axis.drive.run(enable{}));
         REQUIRE(axis.drive.run(move_by{ordered * pulse, by}));
@@ -57,12 +57,12 @@ TEST_CASE_TEMPLATE("a stop input ends a move before its target, and the drive sh
 }
 
 TEST_CASE_TEMPLATE(
-    "G34: neither wait_standstill nor until_arrived returns ok for a move that the drive's stop "
+    "G34: neither wait_standstill nor wait_reached returns ok for a move that the drive's stop "
     "input has interrupted, and arrival says how far the target is",
     A, closed_axis, open_axis) {
     move_that_is_cut_short<A> m;
     CHECK(m.stood.error() == errc::stopped_short);
-    CHECK(m.axis.drive.run(until_arrived{}).error() == errc::stopped_short);
+    CHECK(m.axis.drive.run(wait_reached{}).error() == errc::stopped_short);
     const arrival a = m.axis.drive.arrival();
     CHECK(a.how == arrival_state::stopped_short);
     CHECK(a.missing.count() == m.ordered - m.axis.place());
@@ -79,7 +79,7 @@ TEST_CASE_TEMPLATE(
             CAPTURE(is_ignored);
             A a;
             REQUIRE(a.drive.run(init{}));
-            REQUIRE(a.drive.run(release{}));
+            REQUIRE(a.drive.run(disable{}));
             REQUIRE(a.drive.run(set_input{input::x3, input_function::stop}));
             REQUIRE(a.drive.run(enable{}));
             a.model.set_input(3, is_ignored);

@@ -45,7 +45,7 @@ struct scene {
         wire.attach(station);
         command(init{});
         command(ramps{100 * millisecond, 100 * millisecond});
-        command(enable{operating_mode::velocity});
+        command(enable_in{operating_mode::velocity});
     }
     void turn() {
         const duration idle = has_bus ? all.step() : wheels.step();
@@ -94,7 +94,7 @@ struct scene {
 struct short_move : simulated::driven_zlac8015d {
     short_move() {
         REQUIRE(drive.run(init{}));
-        REQUIRE(drive.run(enable{operating_mode::relative_position}));
+        REQUIRE(drive.run(enable_in{operating_mode::relative_position}));
         REQUIRE(drive.run(move_by{40960 * pulse, 40960 * pulse}));
         wire.pass(milliseconds(345));
         model.set_input(true, false);
@@ -105,7 +105,7 @@ struct short_move : simulated::driven_zlac8015d {
 struct left_moves : simulated::driven_zlac8015d {
     left_moves() {
         REQUIRE(drive.run(init{}));
-        REQUIRE(drive.run(enable{operating_mode::relative_position, synchronisation::asynchronous}));
+        REQUIRE(drive.run(enable_in{operating_mode::relative_position, synchronisation::asynchronous}));
         REQUIRE(drive.run(move_left_by{40960 * pulse}));
         wire.pass(milliseconds(300));
         REQUIRE_FALSE(model.stands_still());
@@ -184,11 +184,11 @@ TEST_CASE("a fault of one wheel that the bus has read stops both") {
 TEST_CASE("G35: a wired stop that an enable has read shows in the state when it has ended") {
     simulated::driven_zlac8015d r; // it polls nothing
     REQUIRE(r.drive.run(init{}));
-    REQUIRE(r.drive.run(enable{operating_mode::velocity}));
+    REQUIRE(r.drive.run(enable_in{operating_mode::velocity}));
     REQUIRE(r.drive.run(velocity{100 * r_per_min, 100 * r_per_min}));
     REQUIRE(r.live(milliseconds(1000)));
     r.model.set_input(true, false);
-    CHECK(r.drive.run(enable{operating_mode::torque}).error() == errc::busy);
+    CHECK(r.drive.run(enable_in{operating_mode::torque}).error() == errc::busy);
     CHECK(r.drive.state() == drive_state::quick_stopped);
     CHECK(r.drive.cause() == stop_cause::input);
 }
@@ -198,12 +198,12 @@ TEST_CASE("a fault of one wheel stops both if an enable or a halt has read it fi
         simulated::driven_zlac8015d r{{.by_fault = sim_options::switched_off::its_wheel},
                                       {.feedback = feedback_period, .command_timeout = no_command_timeout}};
         REQUIRE(r.drive.run(init{}));
-        REQUIRE(r.drive.run(enable{operating_mode::velocity}));
+        REQUIRE(r.drive.run(enable_in{operating_mode::velocity}));
         REQUIRE(r.drive.run(velocity{100 * r_per_min, 100 * r_per_min}));
         REQUIRE(r.live(milliseconds(1000)));
         r.model.raise(fault::overcurrent, fault::none);
         const routine_status ended =
-            is_halt ? r.drive.run(halt{}) : r.drive.run(enable{operating_mode::torque});
+            is_halt ? r.drive.run(halt{}) : r.drive.run(enable_in{operating_mode::torque});
         CHECK(static_cast<bool>(ended) == is_halt);
         const auto stop = servobus::modbus::write_frame(1, control_word.address, 7);
         const std::uint64_t end = r.wire.time_us() + 1'000'000;

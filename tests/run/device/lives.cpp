@@ -62,13 +62,13 @@ TEST_CASE_TEMPLATE("G34, G39: a YAKO that restarts on its way to zero is not tak
                                     optional_supervision{milliseconds(feedback)}};
                     REQUIRE(b.drive.run(y::init{}));
                     REQUIRE(b.drive.run(y::enable{}));
-                    REQUIRE(b.drive.run(y::move_by{1500 * pulse}, y::until_arrived{}).how ==
+                    REQUIRE(b.drive.run(y::move_by{1500 * pulse}, y::wait_reached{}).how ==
                             arrival_state::reached);
                     REQUIRE(b.drive.restart_visible());
                     const long long before = b.machine.view().shaft;
                     REQUIRE(b.drive.run(y::move_by{-1500 * pulse}));
                     REQUIRE((waits_for_standstill ? b.drive.begin(y::wait_standstill{})
-                                                  : b.drive.begin(y::until_arrived{})) == errc::ok);
+                                                  : b.drive.begin(y::wait_reached{})) == errc::ok);
                     b.pass(at);
                     if (b.drive.is_idle()) continue; // it had arrived
                     ++judged;
@@ -99,7 +99,7 @@ TEST_CASE("G34, G37: a homing that a restart cuts short is not done, also where 
             REQUIRE(b.drive.run(y::init{}));
             REQUIRE(b.drive.run(y::enable{}));
             REQUIRE(b.drive.run(y::declare_position{0 * pulse}));
-            REQUIRE(b.drive.run(y::move_by{800 * pulse}, y::until_arrived{}).how == arrival_state::reached);
+            REQUIRE(b.drive.run(y::move_by{800 * pulse}, y::wait_reached{}).how == arrival_state::reached);
             if (b.drive.begin(y::closed_loop::home{y::homing::negative_limit}) != errc::ok) FAIL("no homing");
             b.pass(at);
             if (b.drive.is_idle()) continue;
@@ -173,7 +173,7 @@ TEST_CASE_TEMPLATE(
             stepper<Axis> b{115200, sim::yako_options{}, optional_supervision{}};
             REQUIRE(b.drive.run(y::init{}));
             REQUIRE(b.drive.run(y::enable{}));
-            REQUIRE((jogs ? b.drive.run(y::jog{300 * r_per_min})
+            REQUIRE((jogs ? b.drive.run(y::velocity{300 * r_per_min})
                           : b.drive.run(y::move_by{100'000 * pulse,
                                                    y::motion_profile{0 * r_per_min, 100 * millisecond,
                                                                      100 * millisecond, 300 * r_per_min}})));
@@ -198,7 +198,7 @@ TEST_CASE("G39: after a declared position, a clearing or a homing a lower positi
     stepper<closed> b{115200, sim::yako_options{}, optional_supervision{}};
     REQUIRE(b.drive.run(y::init{}));
     REQUIRE(b.drive.run(y::enable{}));
-    REQUIRE(b.drive.run(y::move_by{20'000 * pulse}, y::until_arrived{}).how == arrival_state::reached);
+    REQUIRE(b.drive.run(y::move_by{20'000 * pulse}, y::wait_reached{}).how == arrival_state::reached);
     b.pass(30'000);
     REQUIRE(b.drive.run(y::declare_position{0 * pulse}));
     for (int i = 0; i < 100; ++i) {
@@ -216,7 +216,7 @@ TEST_CASE("G36, G39: no position of a restarted C630S is given as that of the on
         REQUIRE(b.drive.run(c::set_up{}));
         b.machine.power_cycle();
         REQUIRE(b.drive.run(c::init{}));
-        REQUIRE(b.drive.run(c::enable{c::control_mode::speed}));
+        REQUIRE(b.drive.run(c::enable_in{c::control_mode::speed}));
         REQUIRE(b.drive.run(c::velocity{300 * r_per_min}));
         b.pass(2'000'000 + phase * 1400);
         const auto last = b.drive.feedback(milliseconds(400));
@@ -247,7 +247,7 @@ TEST_CASE(
                       .positive_limit = 90'000'000});
     REQUIRE(b.drive.run(c::homing_by{c::homing_mode::forward_home_switch, 300 * r_per_min, 60 * r_per_min,
                                      100 * millisecond, 30'000}));
-    REQUIRE(b.drive.run(c::enable{c::control_mode::position}));
+    REQUIRE(b.drive.run(c::enable_in{c::control_mode::position}));
     const auto shown = [&] {
         return static_cast<std::int32_t>(b.machine.peek(c::absolute_position.address));
     };
@@ -265,7 +265,7 @@ TEST_CASE(
         }
         CHECK(given > 500);
         REQUIRE(b.drive.run(c::segment{1, -5000 * reference_unit, 300 * r_per_min}));
-        REQUIRE(b.drive.run(c::start_segment{1}, c::until_arrived{}).how == arrival_state::reached);
+        REQUIRE(b.drive.run(c::start_segment{1}, c::wait_reached{}).how == arrival_state::reached);
         b.pass(1'000'000);
     }
 }
@@ -283,7 +283,7 @@ TEST_CASE(
     b.machine.power_cycle();
     REQUIRE(b.drive.run(c::init{}));
     REQUIRE(b.drive.run(c::segment{1, 500 * reference_unit, 300 * r_per_min}));
-    REQUIRE(b.drive.run(c::enable{c::control_mode::position}));
+    REQUIRE(b.drive.run(c::enable_in{c::control_mode::position}));
     struct open_frame {
         std::array<std::uint8_t, 8> data{};
         std::size_t size = 0;
@@ -298,7 +298,7 @@ TEST_CASE(
         &open);
     for (std::uint32_t k = 0; k < 40; ++k) {
         b.pass(60'000 + k * 1'300);
-        REQUIRE(b.drive.run(c::start_segment{1}, c::until_arrived{}).how == arrival_state::reached);
+        REQUIRE(b.drive.run(c::start_segment{1}, c::wait_reached{}).how == arrival_state::reached);
     }
     const auto is_of_inputs = [](const std::array<std::uint8_t, 8>& f, std::uint8_t code) {
         return f[1] == code && f[2] == 0x31 && f[3] == 0x00;
@@ -321,7 +321,7 @@ TEST_CASE(
             stepper<closed> b{115200, sim::yako_options{}, optional_supervision{milliseconds(250)}};
             REQUIRE(b.drive.run(y::init{}));
             REQUIRE(b.drive.run(y::enable{}));
-            REQUIRE(b.drive.run(y::move_by{3000 * pulse}, y::until_arrived{}).how == arrival_state::reached);
+            REQUIRE(b.drive.run(y::move_by{3000 * pulse}, y::wait_reached{}).how == arrival_state::reached);
             if (is_init) REQUIRE(b.drive.run(y::init{}));
             if (!is_init)
                 REQUIRE(
@@ -346,7 +346,7 @@ TEST_CASE(
         stepper<closed> b{115200, sim::yako_options{}, optional_supervision{milliseconds(100)}};
         REQUIRE(b.drive.run(y::init{}));
         REQUIRE(b.drive.run(y::enable{}));
-        REQUIRE(b.drive.run(y::move_by{700 * pulse}, y::until_arrived{}).how == arrival_state::reached);
+        REQUIRE(b.drive.run(y::move_by{700 * pulse}, y::wait_reached{}).how == arrival_state::reached);
         REQUIRE(b.drive.run(
             y::move_by{-697 * pulse, {0 * r_per_min, 50 * millisecond, 50 * millisecond, 240 * r_per_min}}));
         b.pass(at);

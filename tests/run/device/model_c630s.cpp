@@ -62,7 +62,7 @@ TEST_CASE("an enable waits until the brake shows that the motor is energised") {
     c630s::drive drive{line, 1, unsupervised};
     REQUIRE(drive.run(init{}));
     const std::uint64_t start = port.time_us();
-    REQUIRE(drive.run(enable{control_mode::speed}));
+    REQUIRE(drive.run(enable_in{control_mode::speed}));
     CHECK(port.time_us() - start > slow_brake::delay_ms * 1000u);
     CHECK(drive.state() == drive_state::enabled);
 }
@@ -155,13 +155,13 @@ TEST_CASE("G34: after an init there is no move to wait for, since a restart befo
           "position") {
     simulated::driven_c630s r;
     REQUIRE(r.make_ready());
-    REQUIRE(r.drive.run(enable{control_mode::position}));
+    REQUIRE(r.drive.run(enable_in{control_mode::position}));
     REQUIRE(r.drive.run(segment{1, 5000 * reference_unit, 600 * r_per_min}));
-    REQUIRE(r.drive.run(start_segment{1}, until_arrived{}).how == arrival_state::reached);
+    REQUIRE(r.drive.run(start_segment{1}, wait_reached{}).how == arrival_state::reached);
     r.model.power_cycle();
     REQUIRE(r.drive.run(init{}));
     CHECK(r.drive.arrival().how == arrival_state::none);
-    CHECK(r.drive.run(until_arrived{}).error() == errc::wrong_state);
+    CHECK(r.drive.run(wait_reached{}).error() == errc::wrong_state);
 }
 
 TEST_CASE("G34: a short move has reached its target within half of its way and 2 units, a long one within 20 "
@@ -202,26 +202,26 @@ TEST_CASE("G34: after a run of segments, a homing, a start without a response, a
             homing_by{homing_mode::forward_home_switch, 100 * r_per_min, 30 * r_per_min, 10 * millisecond}));
         REQUIRE(r.drive.run(position_segments{}));
         REQUIRE(r.drive.run(segment{1, 300 * reference_unit, 60 * r_per_min}));
-        REQUIRE(r.drive.run(enable{control_mode::position}));
+        REQUIRE(r.drive.run(enable_in{control_mode::position}));
         REQUIRE(r.drive.run(start_segment{1}));
-        REQUIRE(r.drive.run(until_arrived{}));
+        REQUIRE(r.drive.run(wait_reached{}));
         REQUIRE(r.drive.arrival().how == arrival_state::reached);
     };
     const auto has_none = [&] {
         CHECK(r.drive.arrival().how == arrival_state::none);
-        CHECK(r.drive.begin(until_arrived{}) != errc::ok);
+        CHECK(r.drive.begin(wait_reached{}) != errc::ok);
     };
     move();
     SUBCASE("an init") { REQUIRE(r.drive.run(init{})); }
     SUBCASE("an enable") {
         REQUIRE(r.drive.run(disable{}));
-        REQUIRE(r.drive.run(enable{control_mode::position}));
+        REQUIRE(r.drive.run(enable_in{control_mode::position}));
     }
     SUBCASE("a homing") { REQUIRE(r.drive.run(home{5 * second})); }
     SUBCASE("a run of segments") {
         REQUIRE(r.drive.run(disable{}));
-        REQUIRE(
-            r.drive.run(enable{control_mode::position, position_source::segments, segment_mode::sequential}));
+        REQUIRE(r.drive.run(
+            enable_in{control_mode::position, position_source::segments, segment_mode::sequential}));
         REQUIRE(r.drive.run(start_segments{}));
     }
     SUBCASE("a start without a response") {

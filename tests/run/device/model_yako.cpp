@@ -26,15 +26,15 @@ TEST_CASE("0006h to 000Ch: the feedback has each word in its place") {
     const auto f = closed_loop::feedback::from_words(all, word_order::high_first, speed_count::one_r_per_min);
     CHECK(f.error == 3);
     CHECK(f.state.is_moving());
-    CHECK_FALSE(f.any_fault());
+    CHECK_FALSE(f.has_fault());
     CHECK(f.inputs.to_word() == 0x0001);
     CHECK(f.outputs.to_word() == 0x0002);
     CHECK(f.position == 0x1'0005 * pulse);
-    CHECK(f.velocity == -60 * r_per_min);
+    CHECK(f.speed == -60 * r_per_min);
     const auto swapped =
         closed_loop::feedback::from_words(all, word_order::low_first, speed_count::tenth_r_per_min);
     CHECK(swapped.position == 0x5'0001 * pulse);
-    CHECK(swapped.velocity == -6 * r_per_min);
+    CHECK(swapped.speed == -6 * r_per_min);
 }
 
 TEST_CASE("a drive whose address is not given has address 1") {
@@ -51,7 +51,7 @@ TEST_CASE("G21: a stop before an init has written its marker leaves the drive un
     while (a.drive.cached().microsteps == 0) a.turn(); // all is read
     REQUIRE_FALSE(a.drive.is_idle());
     CHECK(a.drive.state() == drive_state::needs_init);
-    REQUIRE(a.drive.begin(stop{}) == errc::ok);
+    REQUIRE(a.drive.begin(halt{}) == errc::ok);
     a.finish();
     for (const auto& f : a.requests) CHECK_FALSE(simulated::is_marker(f));
     CHECK(a.drive.state() == drive_state::needs_init);
@@ -81,7 +81,7 @@ TEST_CASE("4.1: a drive that begins 100 ms after its start was acknowledged carr
         CHECK(a.drive.run(
             move_by{1000 * pulse, {10 * r_per_min, 20 * millisecond, 20 * millisecond, 300 * r_per_min}}));
         CHECK(a.drive.motion() == motion_check::seen);
-        CHECK(a.drive.run(until_arrived{}));
+        CHECK(a.drive.run(wait_reached{}));
         CHECK(a.place() == target);
         a.run(1000);
     }
@@ -123,7 +123,7 @@ TEST_CASE("G34: either software limit is the cause of a move that ends short at 
     closed_axis a;
     enabled_yako::take_homed(a);
     REQUIRE(a.drive.run(limit_travel{8'000 * pulse, -2'000 * pulse}));
-    const arrival end = a.drive.run(move_by{-9'000 * pulse, enabled_yako::brisk}, until_arrived{});
+    const arrival end = a.drive.run(move_by{-9'000 * pulse, enabled_yako::brisk}, wait_reached{});
     CHECK(end.how == arrival_state::stopped_short);
     CHECK(end.cause == stop_cause::software_limit);
     CHECK(a.place() < -1'900);
@@ -146,7 +146,7 @@ TEST_CASE("A61: a wait for a move that rests at the end of the counter's range, 
     model<closed_loop::device> m;
     REQUIRE(m.permit(move, image(2'147'483'000).data(), known) == errc::ok);
     REQUIRE(m.learn(move, {}, known) == errc::ok);
-    const prepared_command wait = until_arrived{}.plan(known);
+    const prepared_command wait = plan(wait_reached{}, known);
     const auto ended = [&](std::int64_t position) {
         return m.confirm(wait, image(position).data(), milliseconds(5000), known);
     };

@@ -39,9 +39,9 @@ struct rig {
     rig(const rig&) = delete;
 
     void ready() {
-        REQUIRE(drum.run(winch::init{}));
-        REQUIRE(drum.run(winch::enable{}));
-        REQUIRE(drum.state() == drive_state::holding);
+        REQUIRE(drum.run(servobus::init{}));
+        REQUIRE(drum.run(servobus::enable{}));
+        REQUIRE(drum.state() == drive_state::enabled);
         REQUIRE(machine.is_energised());
     }
     void turn() {
@@ -57,8 +57,8 @@ struct rig {
 // A model is a constant of the program where its functions are.
 static_assert(winch::model::image.contains(winch::position.address, 2));
 static_assert(winch::model::kind_of(winch::turn{}.plan({})) == command_kind::endless_motion);
-static_assert(winch::turn{601 * r_per_min}.plan({drive_state::holding}).refusal == errc::out_of_range);
-static_assert(winch::move_to{2'000'000 * pulse}.plan({drive_state::holding}).refusal == errc::out_of_range);
+static_assert(winch::turn{601 * r_per_min}.plan({drive_state::enabled}).refusal == errc::out_of_range);
+static_assert(winch::move_to{2'000'000 * pulse}.plan({drive_state::enabled}).refusal == errc::out_of_range);
 
 } // namespace
 
@@ -67,13 +67,13 @@ TEST_CASE(
     rig r;
     CHECK(r.drum.run(winch::turn{10 * r_per_min}).error() == errc::needs_init);
     CHECK(r.drum.run(winch::move_to{100 * pulse}).error() == errc::needs_init);
-    REQUIRE(r.drum.run(winch::init{}));
+    REQUIRE(r.drum.run(servobus::init{}));
     CHECK(r.drum.run(winch::turn{10 * r_per_min}).error() == errc::wrong_state);
-    REQUIRE(r.drum.run(winch::enable{}));
+    REQUIRE(r.drum.run(servobus::enable{}));
     CHECK(r.drum.run(winch::turn{61 * r_per_min}).error() == errc::out_of_range);
     CHECK(r.drum.run(winch::move_to{1'000'001 * pulse}).error() == errc::out_of_range);
-    CHECK(r.drum.run(winch::until_arrived{}).error() == errc::wrong_state);
-    CHECK(r.drum.run(winch::move_to{1'000'001 * pulse}, winch::until_arrived{}).how == arrival_state::none);
+    CHECK(r.drum.run(servobus::wait_reached{}).error() == errc::wrong_state);
+    CHECK(r.drum.run(winch::move_to{1'000'001 * pulse}, servobus::wait_reached{}).how == arrival_state::none);
     CHECK(r.drum.last().error() == errc::out_of_range);
     CHECK(r.machine.starts() == 0);
 }
@@ -82,7 +82,7 @@ TEST_CASE(
     "own drive: a move ends at its target, and one that a fault interrupts says what is missing and why") {
     rig r;
     r.ready();
-    CHECK(r.drum.run(winch::move_to{12'000 * pulse}, winch::until_arrived{}).how == arrival_state::reached);
+    CHECK(r.drum.run(winch::move_to{12'000 * pulse}, servobus::wait_reached{}).how == arrival_state::reached);
     CHECK(r.machine.place() == 12'000);
     REQUIRE(r.drum.run(winch::move_to{-8'000 * pulse}));
     CHECK(r.drum.run(winch::move_to{0 * pulse}).error() == errc::busy);
@@ -96,11 +96,11 @@ TEST_CASE(
     CHECK(a.cause == stop_cause::fault);
     CHECK(a.missing.count() == -8'000 - r.machine.place());
     CHECK(r.drum.run(winch::turn{10 * r_per_min}).error() == errc::faulted);
-    CHECK(r.drum.run(winch::fault_reset{}).error() == errc::faulted);
+    CHECK(r.drum.run(servobus::fault_reset{}).error() == errc::faulted);
     r.machine.end_fault_cause();
-    REQUIRE(r.drum.run(winch::fault_reset{}));
-    CHECK(r.drum.state() == drive_state::off);
-    REQUIRE(r.drum.run(winch::enable{}));
+    REQUIRE(r.drum.run(servobus::fault_reset{}));
+    CHECK(r.drum.state() == drive_state::disabled);
+    REQUIRE(r.drum.run(servobus::enable{}));
 }
 
 TEST_CASE("own drive: a move that stands still for no stated reason is not reported as made") {
@@ -109,7 +109,7 @@ TEST_CASE("own drive: a move that stands still for no stated reason is not repor
     REQUIRE(r.drum.run(winch::move_to{9'000 * pulse}));
     r.loop(300);
     r.machine.interrupt();
-    CHECK(r.drum.run(winch::until_arrived{}).error() == errc::stopped_short);
+    CHECK(r.drum.run(servobus::wait_reached{}).error() == errc::stopped_short);
     CHECK(r.drum.arrival().missing.count() == 9'000 - r.machine.place());
 }
 
@@ -161,7 +161,7 @@ TEST_CASE("own drive: on a line that loses frames a start is made at most once, 
         if (ended) ++done;
         r.wire.faults() = {};
         struck += r.wire.struck();
-        REQUIRE(r.drum.run(winch::disable{}));
+        REQUIRE(r.drum.run(servobus::disable{}));
         CHECK_FALSE(r.machine.is_energised());
     }
     CHECK(done > 10);
@@ -172,15 +172,15 @@ TEST_CASE("own drive: a stop is the next frame, and init begins with one") {
     rig r;
     r.ready();
     REQUIRE(r.drum.run(winch::turn{30 * r_per_min}));
-    REQUIRE(r.drum.begin(winch::until_arrived{}) == errc::wrong_state);
-    REQUIRE(r.drum.begin(winch::read_feedback{}) == errc::ok);
-    REQUIRE(r.drum.begin(winch::halt{}) == errc::ok);
+    REQUIRE(r.drum.begin(servobus::wait_reached{}) == errc::wrong_state);
+    REQUIRE(r.drum.begin(servobus::read_feedback{}) == errc::ok);
+    REQUIRE(r.drum.begin(servobus::halt{}) == errc::ok);
     while (!r.drum.is_idle()) r.turn();
     REQUIRE(r.drum.last());
     CHECK_FALSE(r.machine.is_turning());
     REQUIRE(r.drum.run(winch::turn{30 * r_per_min}));
     winch::drive<rig::line_type> successor{r.on, 5};
-    REQUIRE(successor.run(winch::init{}));
+    REQUIRE(successor.run(servobus::init{}));
     CHECK_FALSE(r.machine.is_energised());
 }
 
@@ -222,22 +222,23 @@ TEST_CASE("own drive: on a bus it keeps its supervision, its cyclic reads and th
             r.wire.wait(idle.us == 0 ? microseconds(20) : idle);
         }
     };
-    CHECK(drum.position(milliseconds(100)).error() == errc::needs_init);
+    CHECK(drum.feedback(milliseconds(100)).error() == errc::needs_init);
     CHECK(all.latest<0>(milliseconds(400)).error() == errc::needs_init);
-    REQUIRE(all.run(drum, winch::init{}));
-    REQUIRE(all.run(drum, winch::enable{}));
+    REQUIRE(all.run(drum, servobus::init{}));
+    REQUIRE(all.run(drum, servobus::enable{}));
     REQUIRE(all.run(drum, winch::turn{30 * r_per_min}));
     loop(250);
     CHECK(r.machine.is_turning());
     loop(400);
     CHECK_FALSE(r.machine.is_turning()); // the command timeout
     CHECK(all.latest<0>(milliseconds(400)));
-    REQUIRE(drum.position(milliseconds(100)));
-    CHECK(drum.position(milliseconds(100))->count() == r.machine.place());
-    CHECK(all.run(drum, winch::move_to{5'000 * pulse}, winch::until_arrived{}).how == arrival_state::reached);
+    REQUIRE(drum.feedback(milliseconds(100)));
+    CHECK(drum.feedback(milliseconds(100))->position.count() == r.machine.place());
+    CHECK(all.run(drum, winch::move_to{5'000 * pulse}, servobus::wait_reached{}).how ==
+          arrival_state::reached);
     CHECK(r.machine.place() == 5'000);
     r.wire.wait(milliseconds(200));
-    CHECK(drum.position(milliseconds(100)).error() == errc::timeout);
+    CHECK(drum.feedback(milliseconds(100)).error() == errc::timeout);
 }
 
 } // namespace own_drive_tests

@@ -45,7 +45,7 @@ bool can_enable(const sim::c630s_options& how) {
 /// Enables the drive, or checks that the enable fails where nothing can confirm it, and that the power is
 /// then off.
 bool enables(rig& r, const sim::c630s_options& how, control_mode mode) {
-    const routine_status got = r.drive.run(enable{mode});
+    const routine_status got = r.drive.run(enable_in{mode});
     CHECK(static_cast<bool>(got) == can_enable(how));
     if (got) return true;
     CHECK((got.error() == errc::wrong_state || got.error() == errc::not_reached));
@@ -211,13 +211,13 @@ TEST_CASE("C77: if the drive needs a wired brake output and has none, an enable 
           "power is switched off") {
     rig r{{.brake = sim::c630s_brake::wired_only}};
     REQUIRE(r.make_ready());
-    CHECK(r.drive.run(enable{control_mode::speed}).error() == errc::not_reached);
+    CHECK(r.drive.run(enable_in{control_mode::speed}).error() == errc::not_reached);
     CHECK_FALSE(r.model.enabled());
     CHECK((r.model.peek(p31) & ~terminal::marker) == 0);
     CHECK(r.drive.state() == drive_state::needs_init);
     REQUIRE(r.drive.run(init{}));
     REQUIRE(r.drive.run(keep<do2_function>{output_function::brake})); // this makes it work
-    REQUIRE(r.drive.run(enable{control_mode::speed}));
+    REQUIRE(r.drive.run(enable_in{control_mode::speed}));
     CHECK(r.model.enabled());
 }
 
@@ -226,7 +226,7 @@ TEST_CASE("C77: if the brake output is already active before an enable, the enab
     REQUIRE(r.make_ready());
     const std::uint32_t enables_before = r.model.enables();
     for (const control_mode mode : modes) {
-        CHECK(r.drive.run(enable{mode}).error() == errc::wrong_state);
+        CHECK(r.drive.run(enable_in{mode}).error() == errc::wrong_state);
         REQUIRE(r.drive.run(init{}));
     }
     CHECK(r.drive.run(run_speed_segments{}).error() == errc::wrong_state);
@@ -239,11 +239,11 @@ TEST_CASE(
     "it") {
     rig r{{.first_output_shows = true}};
     REQUIRE(r.make_ready());
-    CHECK(r.drive.run(enable{control_mode::speed}).error() == errc::wrong_state);
+    CHECK(r.drive.run(enable_in{control_mode::speed}).error() == errc::wrong_state);
     CHECK_FALSE(r.model.enabled());
     REQUIRE(r.drive.run(init{}));
     REQUIRE(r.drive.run(keep<do1_function>{output_function::none}));
-    REQUIRE(r.drive.run(enable{control_mode::speed}));
+    REQUIRE(r.drive.run(enable_in{control_mode::speed}));
     // VDO11 does not show the fault, since DO4 does. The brake output shows it.
     r.model.raise(0x620);
     r.run(20);
@@ -273,7 +273,7 @@ TEST_CASE("C79: P0C-25, added to the drive's own response time, is added to the 
     client direct{r.line, node<device>{1}};
     REQUIRE(direct.store<response_delay>(50)); // the response takes 90 ms
     REQUIRE(r.make_ready());
-    REQUIRE(r.drive.run(enable{control_mode::speed}));
+    REQUIRE(r.drive.run(enable_in{control_mode::speed}));
     CHECK(r.model.enabled());
 }
 
@@ -300,7 +300,7 @@ TEST_CASE("C82: if a software reset is no power-on, a drive that waits for a pow
         (void)r.drive.run(restart{});
         r.run(100);
         REQUIRE(r.drive.run(init{}));
-        const routine_status got = r.drive.run(enable{control_mode::speed});
+        const routine_status got = r.drive.run(enable_in{control_mode::speed});
         CHECK(static_cast<bool>(got) == is_power_on);
         CHECK(r.model.enabled() == is_power_on);
         if (is_power_on) continue;
@@ -308,20 +308,20 @@ TEST_CASE("C82: if a software reset is no power-on, a drive that waits for a pow
         CHECK((r.model.peek(p31) & ~terminal::marker) == 0);
         r.model.power_cycle();
         REQUIRE(r.drive.run(init{}));
-        REQUIRE(r.drive.run(enable{control_mode::speed}));
+        REQUIRE(r.drive.run(enable_in{control_mode::speed}));
     }
 }
 
 TEST_CASE("C83, C23: a jog or a start that the drive interprets differently moves nothing") {
     rig r{{.segment_start_is_level = true, .jog_follows_command = true}};
     REQUIRE(r.make_ready());
-    REQUIRE(r.drive.run(enable{control_mode::speed}));
+    REQUIRE(r.drive.run(enable_in{control_mode::speed}));
     REQUIRE(r.drive.run(jog{60 * r_per_min}));
     REQUIRE(r.live(milliseconds(500)));
     CHECK(r.model.stands_still());
     REQUIRE(r.drive.run(halt{}));
     REQUIRE(r.drive.run(disable{}));
-    REQUIRE(r.drive.run(enable{control_mode::position}));
+    REQUIRE(r.drive.run(enable_in{control_mode::position}));
     REQUIRE(r.drive.run(segment{1, 1000 * reference_unit, 60 * r_per_min}));
     REQUIRE(r.drive.run(start_segment{1}));
     REQUIRE(r.live(milliseconds(500)));

@@ -35,7 +35,7 @@ std::size_t place_of(const rig& r, bytes wanted) {
 void run_at_speed(rig& r) {
     REQUIRE(r.drive.run(init{}));
     REQUIRE(r.drive.run(ramps{100 * millisecond, 100 * millisecond}));
-    REQUIRE(r.drive.run(enable{operating_mode::velocity}));
+    REQUIRE(r.drive.run(enable_in{operating_mode::velocity}));
     REQUIRE(r.drive.run(velocity{90 * r_per_min, -90 * r_per_min}));
     REQUIRE(r.live(milliseconds(300)));
     REQUIRE_FALSE(are_slow(r.model));
@@ -53,7 +53,7 @@ TEST_CASE("S2: an enable is confirmed, or the drive is stopped and the command r
             CAPTURE(static_cast<int>(mode));
             rig r{of};
             REQUIRE(r.drive.run(init{}));
-            const routine_status got = r.drive.run(enable{checked(mode)});
+            const routine_status got = r.drive.run(enable_in{checked(mode)});
             const bool can_know =
                 mode != operating_mode::torque || of.in_torque_mode == options::shaft::locked;
             CHECK(static_cast<bool>(got) == can_know);
@@ -186,7 +186,7 @@ TEST_CASE(
         const auto before = r.model.writes_to(0x2000);
         REQUIRE(r.drive.run(init{}));
         CHECK(r.drive.cached().host_timeout == 0);
-        const routine_status got = r.drive.run(enable{operating_mode::velocity});
+        const routine_status got = r.drive.run(enable_in{operating_mode::velocity});
         // A stopped drive that reports a locked shaft looks like an enabled one. It does not move either.
         const bool shows = of.after_quick_stop == options::stopped::emergency;
         CHECK(static_cast<bool>(got) == (of.host_timeout == options::zero::off || !shows));

@@ -100,7 +100,7 @@ TEST_CASE("S2: before every enable old targets are set to zero and read back, an
                     r.model.power_cycle();
                 }
                 REQUIRE(r.drive.run(init{}));
-                CHECK(static_cast<bool>(r.drive.run(enable{checked(mode)})) == can_enable(mode, of));
+                CHECK(static_cast<bool>(r.drive.run(enable_in{checked(mode)})) == can_enable(mode, of));
                 if (can_enable(mode, of)) REQUIRE(r.live(milliseconds(700)));
                 CHECK(r.model.stands_still());
                 CHECK(r.model.left().position == 0);
@@ -117,11 +117,11 @@ TEST_CASE("S3: the mode changes only at standstill" * doctest::test_suite("readi
     zlac8015d_readings::under([](const options& of) {
         rig r{of};
         REQUIRE(r.drive.run(init{}));
-        REQUIRE(r.drive.run(enable{operating_mode::velocity}));
+        REQUIRE(r.drive.run(enable_in{operating_mode::velocity}));
         REQUIRE(r.drive.run(velocity{100 * r_per_min, 100 * r_per_min}));
         REQUIRE(r.live(milliseconds(500)));
         r.log.frames.clear();
-        CHECK(r.drive.run(enable{operating_mode::relative_position}).error() == errc::busy);
+        CHECK(r.drive.run(enable_in{operating_mode::relative_position}).error() == errc::busy);
         CHECK(r.sent(modbus::write_frame(1, 0x200D, 1)) == 0);
         CHECK(r.model.mode() == operating_mode::velocity);
         return std::size_t{1};
@@ -137,7 +137,7 @@ TEST_CASE("S3: a relative move is made at most once, whichever frame is lost" *
             for (const bool is_response : {false, true}) {
                 rig r{of};
                 REQUIRE(r.drive.run(init{}));
-                REQUIRE(r.drive.run(enable{operating_mode::relative_position}));
+                REQUIRE(r.drive.run(enable_in{operating_mode::relative_position}));
                 const std::uint32_t first = r.wire.requests();
                 REQUIRE(r.drive.begin(move_by{4096 * pulse, 4096 * pulse}) == errc::ok);
                 while (!r.drive.is_idle()) {
@@ -169,20 +169,20 @@ TEST_CASE("S2: under each reading an old torque target has no effect when the mo
     zlac8015d_readings::under([](const options& of) {
         rig r{of};
         REQUIRE(r.drive.run(init{}));
-        if (!r.drive.run(enable{operating_mode::torque})) return std::size_t{1};
+        if (!r.drive.run(enable_in{operating_mode::torque})) return std::size_t{1};
         const bool engages = of.code_1 == options::brake::engages;
         const brake held = engages ? brake::code_1 : brake::code_0;
         const brake released = engages ? brake::code_0 : brake::code_1;
         REQUIRE(r.drive.run(torque_slope{30'000 * milliampere_per_second}));
         REQUIRE(r.drive.run(brakes{held, held}));
         REQUIRE(r.drive.run(torque{8 * ampere, 8 * ampere}));
-        const routine_status changed = r.drive.run(enable{operating_mode::velocity});
+        const routine_status changed = r.drive.run(enable_in{operating_mode::velocity});
         REQUIRE(static_cast<bool>(changed) == can_move(of)); // refused, if the bit is 1 while enabled
         if (!changed) CHECK(changed.error() == errc::busy);
         if (!changed) return std::size_t{1};
         REQUIRE(r.drive.run(brakes{released, released}));
         const std::int64_t left = r.model.left().position;
-        REQUIRE(r.drive.run(enable{operating_mode::torque}));
+        REQUIRE(r.drive.run(enable_in{operating_mode::torque}));
         REQUIRE(r.live(milliseconds(500)));
         CHECK(r.model.left().position - left < 3);
         CHECK(r.model.left().position - left > -3);
@@ -204,7 +204,7 @@ TEST_CASE("S3: no read of a bus lets wheels go on that the watchdog has stopped"
                 REQUIRE(direct.write<right_brake>(brake::code_1));
             }
             REQUIRE(p.command(p.wheels, init{}));
-            REQUIRE(p.command(p.wheels, enable{operating_mode::velocity}));
+            REQUIRE(p.command(p.wheels, enable_in{operating_mode::velocity}));
             REQUIRE(p.command(p.wheels, velocity{30 * r_per_min, 30 * r_per_min}));
             p.run(300);
             REQUIRE_FALSE(are_slow(machine.wheels_model));
@@ -227,7 +227,7 @@ TEST_CASE("S6, S7: a factory reset and a save are refused while the drive is ena
     zlac8015d_readings::under([](const options& of) {
         rig r{of};
         REQUIRE(r.drive.run(init{}));
-        REQUIRE(r.drive.run(enable{operating_mode::velocity}));
+        REQUIRE(r.drive.run(enable_in{operating_mode::velocity}));
         const std::uint32_t writes = r.model.writes();
         CHECK(r.drive.run(factory_reset{sole_drive_on_the_line{}}).error() == errc::wrong_state);
         CHECK(r.drive.run(save{}).error() == errc::wrong_state);

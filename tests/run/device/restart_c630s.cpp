@@ -48,7 +48,7 @@ struct program : simulated::simulated_c630s {
         REQUIRE(servo.run(set_up{}));
         model.power_cycle();
         REQUIRE(servo.run(init{}));
-        REQUIRE(servo.run(enable{control_mode::speed}));
+        REQUIRE(servo.run(enable_in{control_mode::speed}));
         REQUIRE(servo.run(velocity{100 * r_per_min}));
     }
     void turn() {
@@ -108,7 +108,7 @@ TEST_CASE("G21, G35: a restart shows although a fault stops the drive while its 
         if (log.write_us < log.witness_us + 507'000) continue;
         ++was_due;
         CHECK(p.servo.state() == drive_state::needs_init);
-        CHECK(p.servo.begin(enable{control_mode::speed}) == errc::needs_init);
+        CHECK(p.servo.begin(enable_in{control_mode::speed}) == errc::needs_init);
     }
     CHECK(was_due > 10);
 }
@@ -121,7 +121,7 @@ TEST_CASE("G21, G35: a restart at any moment before a stop shows, for a fault an
                 program p{milliseconds(20)};
                 if (mode != control_mode::speed) {
                     REQUIRE(p.servo.run(disable{}));
-                    REQUIRE(p.servo.run(enable{mode}));
+                    REQUIRE(p.servo.run(enable_in{mode}));
                 }
                 p.loop(300);
                 const std::uint64_t begun = p.wire.time_us();
@@ -136,7 +136,7 @@ TEST_CASE("G21, G35: a restart at any moment before a stop shows, for a fault an
                 CAPTURE(int(mode));
                 CAPTURE(phase);
                 REQUIRE(p.servo.state() == drive_state::needs_init);
-                REQUIRE(p.servo.begin(enable{control_mode::speed}) == errc::needs_init);
+                REQUIRE(p.servo.begin(enable_in{control_mode::speed}) == errc::needs_init);
                 REQUIRE(!p.model.enabled());
             }
         }
@@ -147,7 +147,7 @@ TEST_CASE("G25, G26: a stop that gets no response to its read of the marker swit
     for (const control_mode mode : {control_mode::speed, control_mode::torque, control_mode::position}) {
         program p{milliseconds(20)};
         REQUIRE(p.servo.run(disable{}));
-        REQUIRE(p.servo.run(enable{mode}));
+        REQUIRE(p.servo.run(enable_in{mode}));
         marker_thief thief;
         p.wire.set_hook(&marker_thief::note, &thief);
         thief.of = &p;
@@ -180,7 +180,7 @@ TEST_CASE("G21, G35: a restart shows that makes the servo-off of a stop get no r
         p.loop(1500);
         REQUIRE(p.servo.is_idle());
         CHECK(p.servo.state() == drive_state::needs_init);
-        CHECK(p.servo.begin(enable{control_mode::speed}) == errc::needs_init);
+        CHECK(p.servo.begin(enable_in{control_mode::speed}) == errc::needs_init);
     }
     CHECK(judged > 20);
 }

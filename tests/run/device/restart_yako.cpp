@@ -86,9 +86,9 @@ TEST_CASE("the marker stays valid where the word order is low first, and where i
                                           0, static_cast<std::uint8_t>(order)}}) == 0);
         take(a);
         REQUIRE(a.drive.restart_visible());
-        REQUIRE(a.drive.run(move_by{100 * pulse, brisk}, until_arrived{}).how == arrival_state::reached);
+        REQUIRE(a.drive.run(move_by{100 * pulse, brisk}, wait_reached{}).how == arrival_state::reached);
         REQUIRE(a.drive.run(set_word_order{order}));
-        CHECK(a.drive.run(move_by{100 * pulse, brisk}, until_arrived{}).how == arrival_state::reached);
+        CHECK(a.drive.run(move_by{100 * pulse, brisk}, wait_reached{}).how == arrival_state::reached);
         a.model.power_cycle();
         CHECK(a.drive.run(move_by{100 * pulse, brisk}).error() == errc::needs_init);
     }
@@ -181,7 +181,7 @@ TEST_CASE("G21, G35: a restart during a save shows, but from the read of its mar
         CAPTURE(phase);
         closed_axis a;
         REQUIRE(a.drive.run(init{}));
-        REQUIRE(a.drive.run(release{}));
+        REQUIRE(a.drive.run(disable{}));
         a.requests.clear();
         REQUIRE(a.drive.begin(save{}) == errc::ok);
         const std::uint64_t end = a.wire.time_us() + 250 * phase;

@@ -61,7 +61,7 @@ TEST_CASE_TEMPLATE("G15, G29: if the line is lost for good at any frame of any c
         s.check_once();
         s.check_way();
         s.reconnect();
-        REQUIRE(s.drive.run(stop{}));
+        REQUIRE(s.drive.run(halt{}));
         CHECK_FALSE(s.is_moving());
         REQUIRE(s.drive.run(init{}));
         CHECK_FALSE(s.is_moving());
@@ -114,7 +114,7 @@ TEST_CASE_TEMPLATE(
             scene<A> s{o};
             std::size_t next = 0; // frame of the command
             s.play([&] {
-                if (next == 0 && s.begun() > n && s.drive.begin(release{}) == errc::ok) next = s.begun();
+                if (next == 0 && s.begun() > n && s.drive.begin(disable{}) == errc::ok) next = s.begun();
             });
             if (next == 0) { // it ended before, or is a stop of no lower priority
                 (void)s.is_over();

@@ -39,7 +39,7 @@ struct program {
         wire.attach(station);
         wire.set_hook(&simulated::request_log::note, &log);
         REQUIRE(wheels.run(init{}));
-        REQUIRE(wheels.run(enable{operating_mode::velocity}));
+        REQUIRE(wheels.run(enable_in{operating_mode::velocity}));
     }
     program(const program&) = delete;
 

@@ -185,21 +185,21 @@ TEST_CASE("G35: after `init` a drive that has a fault is faulted, before any fee
         wire.pass(milliseconds(100));
         REQUIRE(drive.run(c::init{}));
         CHECK(drive.state() == c::drive_state::faulted);
-        CHECK(drive.run(c::enable{c::control_mode::speed}).error() == errc::faulted);
+        CHECK(drive.run(c::enable_in{c::control_mode::speed}).error() == errc::faulted);
     }
 }
 
 TEST_CASE("G34, G35: while the stop for a fault is under way a wait for the move is refused for the fault") {
     wheels_bench b{milliseconds(500)};
     REQUIRE(b.drive.run(z::disable{}));
-    REQUIRE(b.drive.run(z::enable{z::operating_mode::relative_position}));
+    REQUIRE(b.drive.run(z::enable_in{z::operating_mode::relative_position}));
     REQUIRE(b.drive.run(z::move_by{200'000 * pulse, 200'000 * pulse}));
     for (const std::uint64_t end = b.wire.time_us() + 300'000; b.wire.time_us() < end;) b.step();
     REQUIRE(b.drive.arrival().how == arrival_state::under_way);
     b.machine.raise(z::fault::overcurrent, z::fault::none);
     while (b.drive.is_idle()) b.step(); // until its stop begins
     CHECK(b.drive.state() == z::drive_state::faulted);
-    CHECK(b.drive.begin(z::until_arrived{}) == errc::faulted);
+    CHECK(b.drive.begin(z::wait_reached{}) == errc::faulted);
     CHECK(b.drive.arrival().how == arrival_state::stopped_short);
     CHECK(b.drive.arrival().cause == stop_cause::fault);
 }
@@ -217,7 +217,7 @@ TEST_CASE(
             REQUIRE(b.drive.run(z::disable{}));
             const z::cached_settings before = b.drive.cached();
             REQUIRE(before.max_speed != 0);
-            REQUIRE(b.drive.begin(z::enable{z::operating_mode::velocity}) == errc::ok);
+            REQUIRE(b.drive.begin(z::enable_in{z::operating_mode::velocity}) == errc::ok);
             for (const std::uint64_t end = b.wire.time_us() + us; b.wire.time_us() < end;) {
                 (void)b.drive.step();
                 b.wire.wait(microseconds(50));
@@ -245,7 +245,7 @@ TEST_CASE("G34: a YAKO that an input or a software limit stops says so as the ca
         line on{wire, modbus::timing_at(115200)};
         y::closed_loop::drive drive{on, 1};
         REQUIRE(drive.run(y::init{}));
-        REQUIRE(drive.run(y::release{}));
+        REQUIRE(drive.run(y::disable{}));
         REQUIRE(drive.run(y::set_input{y::input::x3, y::input_function::stop}));
         REQUIRE(drive.run(y::enable{}));
         REQUIRE(drive.run(y::declare_position{0 * pulse}));
@@ -256,7 +256,7 @@ TEST_CASE("G34: a YAKO that an input or a software limit stops says so as the ca
         for (const std::uint64_t end = wire.time_us() + 300'000; wire.time_us() < end;)
             on.sleep(drive.step());
         at_half();
-        CHECK(drive.run(y::until_arrived{}).error() == errc::stopped_short);
+        CHECK(drive.run(y::wait_reached{}).error() == errc::stopped_short);
         return drive.arrival();
     };
     const auto by_input = cause_of([&](auto& machine, auto& drive, auto& on, auto& wire) {

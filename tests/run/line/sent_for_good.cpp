@@ -220,7 +220,7 @@ TEST_CASE("G21: a start without a response that a stop cuts short leaves the dri
             machine.wire.set_connected(1, false);
             machine.lift_model.power_cycle();
         }
-        REQUIRE(p.lift.begin(yako::release{}) == errc::ok);
+        REQUIRE(p.lift.begin(yako::disable{}) == errc::ok);
         p.run(40); // the start's response is overdue by then
         machine.wire.set_connected(1, true);
         while (!p.lift.is_idle()) p.turn();

@@ -5,7 +5,7 @@
 // stop, reset, speed and torque, read feedback. Those that move to positions are in moves.hpp.
 // servobus/device/c630s.hpp includes it. Source: manual V24.111, chapters 5 to 9.
 //
-//     if (!servo.run(c630s::init{}) || !servo.run(c630s::enable{c630s::control_mode::torque})) return 1;
+//     if (!servo.run(c630s::init{}) || !servo.run(c630s::enable_in{c630s::control_mode::torque})) return 1;
 //     if (!servo.run(c630s::torque{50 * percent})) return 1; // of the rated torque, also if the line is lost
 //     if (!servo.run(c630s::halt{})) return 1;               // the target is 0, the motor stays energised
 //     if (!servo.run(c630s::disable{})) return 1;
@@ -25,11 +25,9 @@ namespace servobus::c630s {
 ///
 /// A drive whose response delay (P0C-25) is longer than the node's response limit needs a node with a longer
 /// one. After `init` P0C-25 is added to that limit; on a bus up to the limit of its plan.
-struct init {
-    constexpr prepared_command plan(const cached_settings&) const {
-        return {.steps = routines::init, .then = effect::initialised};
-    }
-};
+constexpr prepared_command plan(init, const cached_settings&) {
+    return {.steps = routines::init, .then = effect::initialised};
+}
 
 /// Assigns the virtual terminals as terminals.hpp lists them, in the EEPROM, with the servo off. Wired inputs
 /// lose the functions that the virtual ones get, since one function on two inputs is Er.130: servo-on, the
@@ -78,8 +76,8 @@ constexpr prepared_command enable_by(routine steps, control_mode mode, const cac
 /// Errors: `wrong_state`, `needs_init` (it was restarted), `busy`, `faulted`, `not_reached` (it was switched
 /// off again), `bad_argument` for the modes that wired inputs switch: which level means what is not
 /// documented.
-struct enable {
-    control_mode mode = control_mode::speed;
+struct enable_in {
+    control_mode mode;
     position_source positions = position_source::segments;
     segment_mode run_segments = segment_mode::by_input; ///< P11-00
 
@@ -98,6 +96,11 @@ struct enable {
         return o;
     }
 };
+
+/// In speed mode; `enable_in` names another.
+constexpr prepared_command plan(enable, const cached_settings& cached) {
+    return enable_in{control_mode::speed}.plan(cached);
+}
 
 /// Energises the motor in speed mode with the segments of P12 as its command: **it runs at once**, with
 /// segment `from` where inputs choose it (P12-00 = 2), else from the first to segment `last`. It is stopped
@@ -147,71 +150,62 @@ constexpr prepared_command stop_by_all_means(const cached_settings& cached) {
 /// then; with factory settings the motor coasts (P02-05). It may replace a quick stop that is waiting. After `init` its
 /// first frame stops the motor by zero targets, or by P0D-05 in position control and where segments of speeds run. The
 /// second reads P31-00, whose marker the third, servo off, would otherwise set again after a restart.
-struct disable {
-    constexpr prepared_command plan(const cached_settings& cached) const {
-        return {.steps = detail::servo_off_by(cached),
-                .arguments = {0, detail::inputs_when_off(cached)},
-                .then = effect::disabled,
-                .stop = stop_priority::disable};
-    }
-};
+constexpr prepared_command plan(disable, const cached_settings& cached) {
+    return {.steps = detail::servo_off_by(cached),
+            .arguments = {0, detail::inputs_when_off(cached)},
+            .then = effect::disabled,
+            .stop = stop_priority::disable};
+}
 
 /// Writes zero targets and ends a jog; the motor stays energised. Position control and speed segments have no
 /// halt: use `quick_stop` or `disable`. If nothing is known of the drive it is stopped by every means, and the
 /// servo is switched off.
-struct halt {
-    constexpr prepared_command plan(const cached_settings& cached) const {
-        prepared_command o{
-            .steps = routines::halt_speed, .then = effect::halted, .stop = stop_priority::halt};
-        if (!cached.is_initialised()) {
-            o.steps = routines::stop_all;
-            o.then = effect::stopped;
-        }
-        if (cached.state != drive_state::enabled) return o;
-        if (cached.mode == control_mode::position || cached.runs_speed_segments)
-            return detail::refused(errc::wrong_state);
-        if (cached.mode == control_mode::torque) o.steps = routines::halt_torque;
-        if (cached.is_jogging()) {
-            o.steps = routines::halt_jog;
-            o.arguments = {cached.inputs, terminal::servo_on | terminal::marker};
-            o.then = effect::jog_halted;
-        }
-        return o;
+constexpr prepared_command plan(halt, const cached_settings& cached) {
+    prepared_command o{.steps = routines::halt_speed, .then = effect::halted, .stop = stop_priority::halt};
+    if (!cached.is_initialised()) {
+        o.steps = routines::stop_all;
+        o.then = effect::stopped;
     }
-};
+    if (cached.state != drive_state::enabled) return o;
+    if (cached.mode == control_mode::position || cached.runs_speed_segments)
+        return detail::refused(errc::wrong_state);
+    if (cached.mode == control_mode::torque) o.steps = routines::halt_torque;
+    if (cached.is_jogging()) {
+        o.steps = routines::halt_jog;
+        o.arguments = {cached.inputs, terminal::servo_on | terminal::marker};
+        o.then = effect::jog_halted;
+    }
+    return o;
+}
 
 /// Emergency stop, P0D-05: zero speed as fast as the drive can, then zero targets. Whether the drive then holds
 /// its position, as with FunIN.34, is not stated. `disable` and `enable` must follow before the next motion.
 /// While segments run one after the other the servo is switched off after it, since they might continue. A drive
 /// that is known to be disabled is stopped as by `disable`.
-struct quick_stop {
-    constexpr prepared_command plan(const cached_settings& cached) const {
-        if (cached.state == drive_state::disabled) return disable{}.plan(cached);
-        prepared_command o{
-            .steps = routines::quick_stop, .then = effect::quick_stopped, .stop = stop_priority::quick_stop};
-        if (!cached.runs_by_itself() && cached.is_initialised()) return o;
-        o.steps = cached.is_marked() ? routine{routines::quick_stop_of_marked_segments}
-                                     : routine{routines::quick_stop_of_segments};
-        o.arguments = {0, detail::inputs_when_off(cached)};
-        o.then = effect::disabled;
-        return o;
-    }
-};
+constexpr prepared_command plan(quick_stop, const cached_settings& cached) {
+    if (cached.state == drive_state::disabled) return plan(disable{}, cached);
+    prepared_command o{
+        .steps = routines::quick_stop, .then = effect::quick_stopped, .stop = stop_priority::quick_stop};
+    if (!cached.runs_by_itself() && cached.is_initialised()) return o;
+    o.steps = cached.is_marked() ? routine{routines::quick_stop_of_marked_segments}
+                                 : routine{routines::quick_stop_of_segments};
+    o.arguments = {0, detail::inputs_when_off(cached)};
+    o.then = effect::disabled;
+    return o;
+}
 
 /// Servo off, then P0D-01, in this sequence (section 5.2.4). The servo stays off. Eighteen faults are reset only by
 /// switching the power off (alarms.hpp). Errors: `faulted` if a fault remains, or, before the set-up, a warning;
 /// `wrong_state` in the state `needs_power_cycle`.
-struct fault_reset {
-    constexpr prepared_command plan(const cached_settings& cached) const {
-        prepared_command o = disable{}.plan(cached);
-        o.then = effect::disabled_for_reset;
-        o.stop = stop_priority::no_stop;
-        o.refusal = detail::first_error(detail::needs_init_done(cached),
-                                        cached.state == drive_state::needs_power_cycle ? errc::wrong_state
-                                                                                       : errc::ok);
-        return o;
-    }
-};
+constexpr prepared_command plan(fault_reset, const cached_settings& cached) {
+    prepared_command o = plan(disable{}, cached);
+    o.then = effect::disabled_for_reset;
+    o.stop = stop_priority::no_stop;
+    o.refusal =
+        detail::first_error(detail::needs_init_done(cached),
+                            cached.state == drive_state::needs_power_cycle ? errc::wrong_state : errc::ok);
+    return o;
+}
 
 /// Speed mode: the target, P06-03, whole r/min; the ramps are `ramps`. Beyond P06-07 to P06-09 it is refused.
 /// **The drive has no watchdog**: it keeps its speed when the line is lost.
@@ -276,11 +270,8 @@ struct read_status {
 
 /// Reads status, speed, torque, position, deviation and the present alarm in five short frames;
 /// `drive::feedback` has them.
-struct read_feedback {
-    constexpr prepared_command plan(const cached_settings& cached) const {
-        return {
-            .steps = routines::feedback, .then = effect::seen, .refusal = detail::needs_word_order(cached)};
-    }
-};
+constexpr prepared_command plan(read_feedback, const cached_settings& cached) {
+    return {.steps = routines::feedback, .then = effect::seen, .refusal = detail::needs_word_order(cached)};
+}
 
 } // namespace servobus::c630s

@@ -26,7 +26,7 @@ namespace servobus::c630s {
 ///     if (!servo.run(init{})) ...
 ///     if (servo.state() == drive_state::needs_set_up && !servo.run(set_up{})) ...
 ///     if (servo.needs_power_cycle()) ... // switch the drive off and on, then init again
-///     if (!servo.run(enable{control_mode::speed})) ...
+///     if (!servo.run(enable_in{control_mode::speed})) ...
 ///     if (!servo.run(velocity{300 * r_per_min})) ...
 ///
 /// In a superloop `begin(command)` instead of `run`, and `step()` in each loop iteration. After an unknown
@@ -75,7 +75,7 @@ template <class Line> class drive : public facade<model, Line> {
     /// from its place; `unknown` if the drive was restarted.
     constexpr motion_check motion() const { return this->model_.motion().seen(); }
     /// Where the last move has come to; `none` in the state `needs_init`, and for a run of several segments. It
-    /// ends when `until_arrived` or `wait_standstill` has read where the motor is, or a stop is done.
+    /// ends when `wait_reached` or `wait_standstill` has read where the motor is, or a stop is done.
     constexpr c630s::arrival arrival() const {
         const motion_under_way& last = this->model_.motion();
         if (!this->cached().is_initialised() || !last.has_goal()) return {};
@@ -86,7 +86,7 @@ template <class Line> class drive : public facade<model, Line> {
         return a;
     }
 
-    constexpr c630s::arrival arrival(const until_arrived&) const { return arrival(); }
+    constexpr c630s::arrival arrival(const wait_reached&) const { return arrival(); }
 
     /// After `already_assigned`: the register that holds the function, such as `"P03-14"_p` for DI7, whose
     /// name is `c630s::catalogue.find(address)->name`; else 0.
@@ -94,7 +94,7 @@ template <class Line> class drive : public facade<model, Line> {
 
     using base::run;
     /// Runs a move and waits for its end. Returns how that was; `none` if the move did not begin, as `last` says.
-    template <class Move> c630s::arrival run(const Move& move, const until_arrived& end) {
+    template <class Move> c630s::arrival run(const Move& move, const wait_reached& end) {
         if (!base::run(move)) return {};
         (void)base::run(end);
         return arrival();

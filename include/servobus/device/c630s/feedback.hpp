@@ -35,6 +35,9 @@ struct feedback {
     static constexpr std::size_t size = routines::record_place + 2u; ///< words
 
     constexpr bool has_fault() const { return state.has_fault(); }
+    constexpr bool is_moving() const { return state.is_rotating(); }
+    /// The output COIN: of a move the drive calls completed.
+    constexpr bool is_in_position() const { return state.is_completed(); }
     /// The alarm by its name, null if there is none or the manual has none.
     constexpr const c630s::alarm* alarm() const { return find_alarm(alarm_code); }
 

@@ -39,6 +39,11 @@ class model {
     using prepared_command = c630s::prepared_command;
     using settings = cached_settings;
 
+    static constexpr drive_traits traits{.stops_without_line = false,
+                                         .halts_in_position = false,
+                                         .changes_speed_on_the_run = true,
+                                         .has_homing = true,
+                                         .keeps_single_parameters = true};
     /// P17-32: the states of the drive, which `set_up` assigns to its virtual outputs.
     static constexpr register_block image{virtual_output_levels.address, 1};
     /// Speed and torque; position; deviation; alarm.
@@ -126,8 +131,8 @@ class model {
     /// A halt, or a quick stop where there is none.
     static constexpr prepared_command stop_for(stop_priority priority, const settings& known, bool) {
         if (priority == stop_priority::disable) return detail::stop_by_all_means(known);
-        const prepared_command c = halt{}.plan(known);
-        return priority == stop_priority::halt && c.refusal == errc::ok ? c : quick_stop{}.plan(known);
+        const prepared_command c = plan(halt{}, known);
+        return priority == stop_priority::halt && c.refusal == errc::ok ? c : plan(quick_stop{}, known);
     }
 
     /// A last check before a command starts.
@@ -421,7 +426,7 @@ class model {
     constexpr errc end_move(prepared_command& c, slice<const std::uint16_t> words, const settings& known) {
         if (!motion_.has_goal() || motion_.conclude(words, known.word_order)) return errc::ok;
         if (!motion_.may_have_hardly_begun()) return errc::stopped_short;
-        c.steps = routines::wait_arrived;
+        c.steps = routines::wait_reached;
         return errc::ok;
     }
 

@@ -6,8 +6,8 @@
 // sections 6.1.3, 6.2.3, 7.5, 7.14 and 7.15.
 //
 //     if (!servo.run(c630s::segment{3, 20'000 * reference_unit, 600 * r_per_min})) return 1;
-//     if (!servo.run(c630s::enable{c630s::control_mode::position})) return 1;
-//     const c630s::arrival there = servo.run(c630s::start_segment{3}, c630s::until_arrived{});
+//     if (!servo.run(c630s::enable_in{c630s::control_mode::position})) return 1;
+//     const c630s::arrival there = servo.run(c630s::start_segment{3}, wait_reached{});
 //     if (there.how != arrival_state::reached) std::printf("%ld units short\n", long{there.missing.count()});
 #pragma once
 
@@ -44,7 +44,7 @@ struct segment {
     }
 };
 
-/// How the position segments are run, P11-01 to P11-05, with the servo off; in which order is `enable`'s.
+/// How the position segments are run, P11-01 to P11-05, with the servo off; in which order is `enable_in`'s.
 struct position_segments {
     displacement_type type = displacement_type::relative;
     segment_number last = 1;
@@ -92,7 +92,7 @@ struct start_segment {
 };
 
 /// Position mode, the other segment modes: starts the run from its first segment. As `start_segment`, but where
-/// it ends is not known to this program: `until_arrived` is refused, and `wait_standstill` has the drive's own
+/// it ends is not known to this program: `wait_reached` is refused, and `wait_standstill` has the drive's own
 /// word for it. It counts as a motion without an end, which a command timeout stops.
 struct start_segments {
     constexpr prepared_command plan(const cached_settings& cached) const {
@@ -127,33 +127,22 @@ struct make_step {
 /// and the motor is at standstill; then the position is read. `drive::arrival()` says how the move has ended. Errors:
 /// `stopped_short`; `faulted`; `not_reached` after the limit; `wrong_state` if no move with a known end was
 /// started.
-struct until_arrived {
-    duration limit = milliseconds(60'000);
+constexpr prepared_command plan(const wait_reached& wanted, const cached_settings& cached) {
+    return {.steps = routines::wait_reached,
+            .then = effect::arrived,
+            .refusal = detail::needs_init_done(cached),
+            .limit = wanted.limit};
+}
 
-    constexpr prepared_command plan(const cached_settings& cached) const {
-        return {.steps = routines::wait_arrived,
-                .then = effect::arrived,
-                .refusal = detail::needs_init_done(cached),
-                .limit = limit};
-    }
-};
-
-/// Waits until the motor is at standstill; in position control as `until_arrived`, also for a run of several segments,
-/// whose end is the drive's own word (COIN). Errors: `not_reached`; those of `until_arrived`.
-struct wait_standstill {
-    time within{60'000};
-
-    constexpr prepared_command plan(const cached_settings& cached) const {
-        const bool is_moved = cached.state == drive_state::enabled && cached.mode == control_mode::position;
-        const std::int32_t ms = within.count();
-        const bool is_long = ms < 0 || ms > 2'000'000; // the clock wraps after 71 minutes
-        return {.steps = is_moved ? routine{routines::wait_arrived} : routine{routines::stand_still},
-                .then = is_moved ? effect::stood : effect::none,
-                .refusal = detail::first_error(detail::needs_init_done(cached),
-                                               is_long ? errc::out_of_range : errc::ok),
-                .limit = is_long ? duration{} : milliseconds(static_cast<std::uint32_t>(ms))};
-    }
-};
+/// Waits until the motor is at standstill; in position control as `wait_reached`, also for a run of several segments,
+/// whose end is the drive's own word (COIN). Errors: `not_reached`; those of `wait_reached`.
+constexpr prepared_command plan(const wait_standstill& wanted, const cached_settings& cached) {
+    const bool is_moved = cached.state == drive_state::enabled && cached.mode == control_mode::position;
+    return {.steps = is_moved ? routine{routines::wait_reached} : routine{routines::stand_still},
+            .then = is_moved ? effect::stood : effect::none,
+            .refusal = detail::needs_init_done(cached),
+            .limit = wanted.limit};
+}
 
 /// How `home` searches, P05-31 to P05-35, with the servo off. A home switch and limits are wired inputs.
 struct homing_by {

@@ -16,27 +16,22 @@
 #include <cstdint>
 
 #include <servobus/control/command.hpp>
+#include <servobus/control/common_commands.hpp>
 #include <servobus/control/states.hpp>
 #include <servobus/device/c630s/assignments.hpp>
 #include <servobus/device/c630s/setting_routines.hpp>
 
 namespace servobus::c630s {
 
+using servobus::disable, servobus::drive_state, servobus::enable, servobus::fault_reset, servobus::halt,
+    servobus::init, servobus::quick_stop, servobus::read_feedback, servobus::wait_reached,
+    servobus::wait_standstill;
+
 using speed = quantity<units::r_per_min, std::int32_t>;
 using time = quantity<units::millisecond, std::int32_t>;
 using distance = quantity<units::reference_unit, std::int32_t>;
 /// Of the rated torque, in tenths of a percent: `50 * percent` converts to it.
 using torque_share = quantity<units::percent / 10, std::int32_t>;
-
-enum class drive_state : std::uint8_t {
-    needs_init,        ///< nothing is known of the drive; only `init`, stops and raw access are possible
-    needs_set_up,      ///< its virtual terminals are not as `set_up` arranges them
-    needs_power_cycle, ///< they are, but do not work before the power has been off
-    disabled,          ///< servo off
-    enabled,           ///< energised in the mode that was commanded
-    quick_stopped,     ///< `disable` and `enable` must follow before motion
-    faulted,           ///< the last feedback shows a fault: `fault_reset` must follow
-};
 
 /// What the program has cached of the drive. Invalid after an unknown outcome or a restart.
 struct cached_settings {

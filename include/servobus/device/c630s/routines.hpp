@@ -345,7 +345,7 @@ inline constexpr step look_at_place[] = {
 inline constexpr step until_ended[] = {
     steps::confirm(), steps::until_within<actual_speed>(stillness, step::commanded_limit)};
 inline constexpr step same_at_end[] = {steps::same_drive()};
-inline constexpr auto wait_arrived  = joined(until_ended, look_at_place, same_at_end);
+inline constexpr auto wait_reached  = joined(until_ended, look_at_place, same_at_end);
 inline constexpr step stand_still[] = {steps::until_within<actual_speed>(stillness, step::commanded_limit), steps::same_drive()};
 
 /// The outputs as they are before a homing: they may show an earlier one.

@@ -7,7 +7,7 @@
 // yako/drive.hpp includes it; code for both variants takes a `basic_drive`:
 //
 //     template <class Device, class Line> bool advance(yako::basic_drive<Device, Line>& axis) {
-//         const yako::arrival there = axis.run(yako::move_by{5000 * pulse}, yako::until_arrived{});
+//         const yako::arrival there = axis.run(yako::move_by{5000 * pulse}, yako::wait_reached{});
 //         return there.how == arrival_state::reached;
 //     }
 #pragma once
@@ -68,7 +68,7 @@ template <class Device, class Line> class basic_drive : public facade<model<Devi
     constexpr motion_check motion() const { return this->model_.motion(); }
     /// Where the last move has come to, by the last feedback; `none` in the state `needs_init`, for a move whose target
     /// is not known since it interrupted another, and for one beyond 2^31 pulses that ends where a counter may stop. A
-    /// wired stop, a limit switch or a software limit is its cause once `until_arrived` or `wait_standstill` has read
+    /// wired stop, a limit switch or a software limit is its cause once `wait_reached` or `wait_standstill` has read
     /// the inputs, if they are still active.
     constexpr yako::arrival arrival() const {
         yako::arrival a = this->model_.arrival_of(this->image(), this->since_start(), this->cached());
@@ -78,7 +78,7 @@ template <class Device, class Line> class basic_drive : public facade<model<Devi
         return a;
     }
 
-    constexpr yako::arrival arrival(const until_arrived&) const { return arrival(); }
+    constexpr yako::arrival arrival(const wait_reached&) const { return arrival(); }
 
     /// Runs a command to its end. Waits. Errors: those of the command.
     template <class Wanted> routine_status run(const Wanted& wanted) {
@@ -92,7 +92,7 @@ template <class Device, class Line> class basic_drive : public facade<model<Devi
     }
     /// Runs a move and waits for its end. Returns how that was; `none` if the move did not begin, as `last`
     /// says.
-    template <class Move> yako::arrival run(const Move& move, const until_arrived& end) {
+    template <class Move> yako::arrival run(const Move& move, const wait_reached& end) {
         if (!run(move)) return {};
         (void)base::run(end);
         return arrival();

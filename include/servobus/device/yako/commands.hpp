@@ -9,7 +9,7 @@
 //     if (!axis.run(yako::init{}) || !axis.run(yako::enable{})) return 1;
 //     if (!axis.run(yako::closed_loop::home{yako::homing::home_24, 200 * pulse})) return 1;
 //     constexpr yako::motion_profile slow{0 * r_per_min, 90 * millisecond, 90 * millisecond, 60 * r_per_min};
-//     const yako::arrival there = axis.run(yako::move_to{5000 * pulse, slow}, yako::until_arrived{});
+//     const yako::arrival there = axis.run(yako::move_to{5000 * pulse, slow}, wait_reached{});
 //     if (there.how != arrival_state::reached) return 1;
 #pragma once
 
@@ -27,61 +27,48 @@ namespace servobus::yako {
 /// declared: whether the drive's homing is still valid is not known. Errors: `unexpected_value` for a setting
 /// that the manual does not list; `not_reached` if the motor runs on, as a homing may: section 4.6 does not say
 /// that a stop ends one [errata A58].
-struct init {
-    constexpr prepared_command plan(const cached_settings& cached) const {
-        return {.steps = cached.is_closed_loop ? routine{routines::init_closed_loop}
-                                               : routine{routines::init_open_loop},
-                .then = effect::initialised};
-    }
-};
+constexpr prepared_command plan(init, const cached_settings& cached) {
+    return {.steps = cached.is_closed_loop ? routine{routines::init_closed_loop}
+                                           : routine{routines::init_open_loop},
+            .then = effect::initialised};
+}
 
 /// Energises the motor; only at standstill and without an alarm. Nothing moves by itself, but an input whose
 /// function is a jog or a speed move acts at once if it is active.
-struct enable {
-    constexpr prepared_command plan(const cached_settings& cached) const {
-        return {.steps = routines::enable,
-                .then = effect::enabled,
-                .needs = requirement::standing | requirement::healthy,
-                .refusal = detail::needs_init_done(cached)};
-    }
-};
+constexpr prepared_command plan(enable, const cached_settings& cached) {
+    return {.steps = routines::enable,
+            .then = effect::enabled,
+            .needs = requirement::standing | requirement::healthy,
+            .refusal = detail::needs_init_done(cached)};
+}
 
-/// Stops, waits until the motor stands, and frees its shaft: CiA 402's disable. An open loop drive must be
+/// Stops, waits until the motor stands, and frees its shaft. An open loop drive must be
 /// homed again afterwards; where a release ends the drive's homing [errata A54], the next command finds that
 /// as it finds a restart (`needs_init`). Errors: as `init`; the shaft is not freed then.
-struct release {
-    constexpr prepared_command plan(const cached_settings&) const {
-        return {.steps = routines::release, .then = effect::released, .stop = stop_priority::disable};
-    }
-};
+constexpr prepared_command plan(disable, const cached_settings&) {
+    return {.steps = routines::release, .then = effect::disabled, .stop = stop_priority::disable};
+}
 
 /// Stops by the deceleration time that was set *before* the move, and waits until the motor stands; it stays
 /// energised. Section 4.6. Errors: as `init`.
-struct stop {
-    constexpr prepared_command plan(const cached_settings&) const {
-        return {.steps = routines::stop, .stop = stop_priority::halt};
-    }
-};
+constexpr prepared_command plan(halt, const cached_settings&) {
+    return {.steps = routines::stop, .stop = stop_priority::halt};
+}
 
 /// Stops at once, without a ramp. Steps may be lost, so that the axis must be homed before its next absolute
 /// move. Section 4.6. Errors: as `init`.
-struct quick_stop {
-    constexpr prepared_command plan(const cached_settings&) const {
-        return {
-            .steps = routines::quick_stop, .then = effect::quick_stopped, .stop = stop_priority::quick_stop};
-    }
-};
+constexpr prepared_command plan(quick_stop, const cached_settings&) {
+    return {.steps = routines::quick_stop, .then = effect::quick_stopped, .stop = stop_priority::quick_stop};
+}
 
 /// Clears the alarm, at standstill. Whether the motor was released by it, or is enabled afterwards, is not
 /// stated [errata A57]: `drive::state()` says which. Errors: `faulted` if the alarm is still there.
-struct fault_reset {
-    constexpr prepared_command plan(const cached_settings& cached) const {
-        return {.steps = routines::fault_reset,
-                .then = effect::alarm_cleared,
-                .needs = requirement::standing,
-                .refusal = detail::needs_init_done(cached)};
-    }
-};
+constexpr prepared_command plan(fault_reset, const cached_settings& cached) {
+    return {.steps = routines::fault_reset,
+            .then = effect::alarm_cleared,
+            .needs = requirement::standing,
+            .refusal = detail::needs_init_done(cached)};
+}
 
 /// How a position is reached: 0020h..0023h. Made without anything it is the one that the drive holds, as
 /// `set_profile` or the move before left it. From which speed to which the times count is not stated.
@@ -191,7 +178,7 @@ struct move_to {
 /// if the line is lost, the motor runs on.** Offer `bounded_jog` to people. Refused while the motor moves:
 /// stop first to change the speed. Section 4.2. Errors: as `move_by`; `not_reached` if the motor is at rest
 /// again.
-struct jog {
+struct velocity {
     speed target;
     time acceleration{100};
     time deceleration{100};
@@ -331,33 +318,25 @@ struct clear_position {
 
 /// Waits until the motor stands. Errors: `not_reached` after `limit`; `faulted`; `stopped_short` if a move was
 /// commanded last and the motor is not at its target.
-struct wait_standstill {
-    duration limit = milliseconds(60'000);
-    constexpr prepared_command plan(const cached_settings& cached) const {
-        return {
-            .steps = routines::wait_standstill, .refusal = detail::needs_init_done(cached), .limit = limit};
-    }
-};
+constexpr prepared_command plan(const wait_standstill& wanted, const cached_settings& cached) {
+    return {.steps = routines::wait_standstill,
+            .refusal = detail::needs_init_done(cached),
+            .limit = wanted.limit};
+}
 
 /// Waits for the end of the last move. Errors: `stopped_short` if the motor is at rest elsewhere than at its
 /// target (`drive::arrival()` says how far from it, and why); `not_reached` after `limit`; `faulted`;
 /// `wrong_state` without a move, or after one whose target is not known.
-struct until_arrived {
-    duration limit = milliseconds(60'000);
-    constexpr prepared_command plan(const cached_settings& cached) const {
-        return {.steps = routines::until_arrived,
-                .then = effect::arrived,
-                .refusal = detail::needs_init_done(cached),
-                .limit = limit};
-    }
-};
+constexpr prepared_command plan(const wait_reached& wanted, const cached_settings& cached) {
+    return {.steps = routines::wait_reached,
+            .then = effect::arrived,
+            .refusal = detail::needs_init_done(cached),
+            .limit = wanted.limit};
+}
 
 /// Reads error, status, terminals, position and speed in one frame; `drive::feedback` has them.
-struct read_feedback {
-    constexpr prepared_command plan(const cached_settings& cached) const {
-        return {
-            .steps = routines::feedback, .then = effect::seen, .refusal = detail::needs_init_done(cached)};
-    }
-};
+constexpr prepared_command plan(read_feedback, const cached_settings& cached) {
+    return {.steps = routines::feedback, .then = effect::seen, .refusal = detail::needs_init_done(cached)};
+}
 
 } // namespace servobus::yako

@@ -5,8 +5,8 @@
 // position and speed. yako/basic_drive.hpp includes it; programs get it from `read()` of a drive.
 //
 //     const result<yako::closed_loop::feedback> seen = axis.read();
-//     if (!seen || seen->any_fault()) return 1;
-//     if (seen->inputs.x0 && seen->position > 40'000 * pulse && !axis.run(yako::stop{})) return 1;
+//     if (!seen || seen->has_fault()) return 1;
+//     if (seen->inputs.x0 && seen->position > 40'000 * pulse && !axis.run(halt{})) return 1;
 #pragma once
 
 #include <cstdint>
@@ -29,9 +29,11 @@ template <class Device> struct basic_feedback {
     input_levels inputs{};
     output_levels outputs{};
     distance position{}; ///< closed loop: from the encoder, open loop: as commanded
-    speed velocity{};    ///< as 001Ah was at the last `init` or `set_speed_resolution`
+    yako::speed speed{}; ///< as 001Ah was at the last `init` or `set_speed_resolution`
 
-    constexpr bool any_fault() const { return state.has_alarm(); }
+    constexpr bool has_fault() const { return state.has_alarm(); }
+    constexpr bool is_moving() const { return state.is_moving(); }
+    constexpr bool is_in_position() const { return state.is_in_position(); }
 
     /// Takes the seven words of 0006h..000Ch.
     static constexpr basic_feedback from_words(slice<const std::uint16_t> w, word_order order,
@@ -43,7 +45,7 @@ template <class Device> struct basic_feedback {
         f.inputs = input_levels::from_word(w[2]);
         f.outputs = output_levels::from_word(w[3]);
         f.position = position_in(w, order);
-        f.velocity = speed{static_cast<i16>(w[6]) * (is_tenth ? 1 : 10)};
+        f.speed = yako::speed{static_cast<i16>(w[6]) * (is_tenth ? 1 : 10)};
         return f;
     }
     static constexpr distance position_in(slice<const std::uint16_t> w, word_order order) {

@@ -26,6 +26,11 @@ template <class Device> class model {
     using settings = cached_settings;
     using feedback = basic_feedback<Device>;
 
+    static constexpr drive_traits traits{.stops_without_line = false,
+                                         .halts_in_position = true,
+                                         .changes_speed_on_the_run = false,
+                                         .has_homing = true,
+                                         .keeps_single_parameters = false};
     static constexpr bool is_closed_loop = detail::is_closed_loop<Device>;
     /// 0006h..000Ch: error, status, terminals, position and speed in one frame.
     static constexpr register_block image{error_code.address, 7};
@@ -40,7 +45,7 @@ template <class Device> class model {
         case effect::initialised:
         case effect::marked: return command_kind::take_over;
         case effect::enabled:
-        case effect::released:
+        case effect::disabled:
         case effect::quick_stopped:
         case effect::alarm_cleared: return command_kind::power;
         case effect::moved:
@@ -100,9 +105,9 @@ template <class Device> class model {
                           static_cast<std::uint16_t>(known.resolution)}};
     }
     static constexpr prepared_command stop_for(stop_priority priority, const settings& known, bool) {
-        if (priority == stop_priority::quick_stop) return quick_stop{}.plan(known);
-        if (priority == stop_priority::disable) return release{}.plan(known);
-        return stop{}.plan(known);
+        if (priority == stop_priority::quick_stop) return plan(quick_stop{}, known);
+        if (priority == stop_priority::disable) return plan(disable{}, known);
+        return plan(halt{}, known);
     }
 
     /// A last check before a command starts.
@@ -167,8 +172,8 @@ template <class Device> class model {
         switch (c.then) {
         case effect::initialised: return take_over(c, words, known);
         case effect::enabled: known.state = drive_state::enabled; break;
-        case effect::released:
-            if (known.state != drive_state::needs_init) known.state = drive_state::released;
+        case effect::disabled:
+            if (known.state != drive_state::needs_init) known.state = drive_state::disabled;
             if (!is_closed_loop) lose_home(known);
             break;
         case effect::quick_stopped: lose_home(known); break;
@@ -225,7 +230,7 @@ template <class Device> class model {
         if (r.error() == errc::not_executed) return note_profile(c, known);
         if (r.step > start_step_of(c)) {
             motion_.note(motion_check::unknown);
-            if (c.then == effect::homed && r.error() != errc::faulted) c = stop{}.plan(known);
+            if (c.then == effect::homed && r.error() != errc::faulted) c = plan(halt{}, known);
             return;
         }
         motion_.note(motion_check::unknown);
@@ -265,7 +270,7 @@ template <class Device> class model {
     // False for a drive that was restarted since. An open loop loses its position with its current.
     static constexpr bool follow(motion_status s, settings& known) {
         if (known.is_homed && !s.is_homed()) return false;
-        known.state = s.is_enabled() ? drive_state::enabled : drive_state::released;
+        known.state = s.is_enabled() ? drive_state::enabled : drive_state::disabled;
         if (!is_closed_loop && !s.is_enabled()) lose_home(known);
         return true;
     }
@@ -278,7 +283,7 @@ template <class Device> class model {
             return errc::unexpected_value;
         const bool is_certain = count == 0;
         const auto status = motion_status::from_word(w[routines::status_word_at]);
-        known = {.state = status.is_enabled() ? drive_state::enabled : drive_state::released,
+        known = {.state = status.is_enabled() ? drive_state::enabled : drive_state::disabled,
                  .is_closed_loop = is_closed_loop,
                  .limits = static_cast<limit_enable>(w[routines::limits_word]),
                  .word_order = word_order_of(w[routines::word_order_word]),

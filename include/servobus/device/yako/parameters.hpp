@@ -5,7 +5,7 @@
 // order, speed resolution, communication, parameters saved and restored. What is set is read back.
 // servobus/device/yako.hpp includes it. Source: manual V2.6.0, chapters 2 and 5, sections 4.3 to 4.5.
 //
-//     if (!axis.run(yako::init{}) || !axis.run(yako::release{})) return 1; // `set_input` needs a free shaft
+//     if (!axis.run(yako::init{}) || !axis.run(disable{})) return 1; // `set_input` needs a free shaft
 //     if (!axis.run(yako::set_input{yako::input::x0, yako::input_function::home})) return 1;
 //     if (!axis.run(yako::set_homing_profile{200 * r_per_min, 20 * r_per_min})) return 1;
 //     if (!axis.run(yako::limit_travel{40'000 * pulse, -500 * pulse})) return 1; // once it is homed
@@ -140,7 +140,7 @@ struct set_pv_trigger {
 };
 
 /// The move that an input with the function `position_move` starts, and by which it ends a jog: interrupt
-/// positioning. Command `jog` afterwards, with ramps of its own. Profile and target are one frame, whether it
+/// positioning. Command `velocity` afterwards, with ramps of its own. Profile and target are one frame, whether it
 /// is relative another: where it is cut short between them, the input starts the old move, the new one, or a
 /// way of zero at a speed of zero, which is taken to be no motion; never a target of the wrong kind.
 /// Section 5.4.

@@ -7,7 +7,7 @@
 // it; programs use the drive's state and its quantities.
 //
 //     if (axis.state() == yako::drive_state::needs_init && !axis.run(yako::init{})) return 1;
-//     if (axis.state() == yako::drive_state::released && !axis.run(yako::enable{})) return 1;
+//     if (axis.state() == yako::drive_state::disabled && !axis.run(yako::enable{})) return 1;
 //     const bool may_move_to = axis.cached().is_homed;       // what an absolute move requires
 //     constexpr yako::speed creep = 5 * part<10>(r_per_min); // 0.5 r/min
 #pragma once
@@ -16,24 +16,22 @@
 #include <type_traits>
 
 #include <servobus/control/command.hpp>
+#include <servobus/control/common_commands.hpp>
 #include <servobus/control/states.hpp>
 #include <servobus/device/yako/open_loop.hpp>
 #include <servobus/device/yako/routines.hpp>
 
 namespace servobus::yako {
 
+using servobus::disable, servobus::drive_state, servobus::enable, servobus::fault_reset, servobus::halt,
+    servobus::init, servobus::quick_stop, servobus::read_feedback, servobus::wait_reached,
+    servobus::wait_standstill;
+
 /// Speeds: a closed loop drive counts 1 or 0.1 r/min. `60 * r_per_min` and `5 * part<10>(r_per_min)` convert
 /// to it exactly.
 using speed = quantity<units::r_per_min / 10, std::int32_t>;
 using time = quantity<units::millisecond, std::int32_t>;
 using distance = quantity<units::pulse, std::int32_t>;
-
-enum class drive_state : std::uint8_t {
-    needs_init, ///< nothing is known of the drive; only `init`, stops and raw access are possible
-    released,   ///< the shaft is free
-    enabled,    ///< the shaft is held; moves are carried out
-    faulted,    ///< the last feedback shows an alarm: `fault_reset` must follow
-};
 
 /// What the program has cached of the drive. Invalid after an unknown outcome or a restart.
 struct cached_settings {
@@ -61,7 +59,7 @@ enum class effect : std::uint8_t {
     none,
     initialised,
     enabled,
-    released,
+    disabled,
     quick_stopped,
     moved,
     crept,

@@ -209,7 +209,7 @@ inline constexpr step set_serial_format[] = {same_drive, may_act, steps::write_a
 /// A restart may put the position where a move would end: the drive must be the same at the end.
 inline constexpr step wait_standstill[] = {
     steps::until_bits<status_word>(motion_status::moving_bit, 0, step::commanded_limit), must_be_healthy, must_be_confirmed, same_drive};
-inline constexpr step until_arrived[]   = {steps::confirm(), same_drive};
+inline constexpr step wait_reached[]   = {steps::confirm(), same_drive};
 /// Why a move has ended elsewhere: the feedback, and from word 7 on the functions of the inputs.
 inline constexpr std::uint8_t functions_word = 7;
 inline constexpr step examine_stop_in_closed_loop[] = {

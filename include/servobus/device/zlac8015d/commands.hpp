@@ -5,7 +5,7 @@
 // move, read feedback. servobus/device/zlac8015d.hpp includes it. Source: RS485 manual V1.07, chapter 3.
 //
 //     constexpr auto mode = zlac8015d::operating_mode::relative_position;
-//     if (!wheels.run(zlac8015d::init{}) || !wheels.run(zlac8015d::enable{mode})) return 1;
+//     if (!wheels.run(zlac8015d::init{}) || !wheels.run(zlac8015d::enable_in{mode})) return 1;
 //     if (!wheels.run(zlac8015d::move_by{4096 * pulse, -4096 * pulse})) return 1; // both start together
 //     if (!wheels.run(zlac8015d::wait_standstill{})) return 1;
 //     if (!wheels.run(zlac8015d::disable{})) return 1;
@@ -19,11 +19,9 @@ namespace servobus::zlac8015d {
 
 /// Takes a drive over, whatever a program before this one did: stops it, waits until it stands (up to 34 s),
 /// reads what must be known. Nothing moves.
-struct init {
-    constexpr prepared_command plan(const cached_settings&) const {
-        return {.steps = routines::init, .then = effect::initialised};
-    }
-};
+constexpr prepared_command plan(init, const cached_settings&) {
+    return {.steps = routines::init, .then = effect::initialised};
+}
 
 namespace detail {
 // Not constexpr on purpose: a constant that calls it does not compile, and the error names the rule.
@@ -46,11 +44,11 @@ constexpr routine enable_routine(operating_mode mode) {
 /// refused (`bad_argument`) if there is no such mode.
 class enable_mode {
   public:
-    consteval enable_mode(operating_mode constant) // NOLINT: implicit, `enable{operating_mode::torque}`
+    consteval enable_mode(operating_mode constant) // NOLINT: implicit, `enable_in{operating_mode::torque}`
         : steps_{detail::enable_routine(constant)}, mode_{constant} {
         if (steps_.empty()) detail::this_drive_is_not_enabled_in_this_operating_mode();
     }
-    constexpr enable_mode(checked_value<operating_mode> m) // NOLINT: implicit, `enable{checked(mode)}`
+    constexpr enable_mode(checked_value<operating_mode> m) // NOLINT: implicit, `enable_in{checked(mode)}`
         : steps_{detail::enable_routine(m.value)}, mode_{m.value} {}
 
     constexpr routine steps() const { return steps_; }
@@ -64,8 +62,8 @@ class enable_mode {
 
 /// Zero targets, read back; then energises both motors in `mode`. Only at standstill and without a fault.
 /// Section 3.1..3.3 of the manual.
-struct enable {
-    enable_mode mode = operating_mode::velocity;
+struct enable_in {
+    enable_mode mode;
     synchronisation starts = synchronisation::synchronous; ///< position modes: both wheels a start, or one
 
     constexpr prepared_command plan(const cached_settings& cached) const {
@@ -77,59 +75,58 @@ struct enable {
     }
 };
 
+/// In velocity mode; `enable_in` names another.
+constexpr prepared_command plan(enable, const cached_settings& cached) {
+    return enable_in{operating_mode::velocity}.plan(cached);
+}
+
 /// Ends the operation (07h) and waits until both wheels stand. They may roll afterwards.
-struct disable {
-    constexpr prepared_command plan(const cached_settings&) const {
-        return {.steps = routines::disable, .then = effect::disabled, .stop = stop_priority::disable};
-    }
-};
+constexpr prepared_command plan(disable, const cached_settings&) {
+    return {.steps = routines::disable, .then = effect::disabled, .stop = stop_priority::disable};
+}
+
+namespace detail {
+/// False if there is no such stop in the drive's mode.
+constexpr bool plan_halt(prepared_command& o, const cached_settings& cached) {
+    const bool is_enabled = cached.state == drive_state::enabled;
+    if (is_enabled && cached.mode != operating_mode::velocity && cached.mode != operating_mode::torque)
+        return false;
+    o.steps = cached.state == drive_state::needs_init               ? routine{routines::stop_both}
+              : is_enabled && cached.mode == operating_mode::torque ? routine{routines::halt_torque}
+                                                                    : routine{routines::halt_speed};
+    return true;
+}
+constexpr void plan_quick_stop(prepared_command& o, const cached_settings& cached) {
+    o.then = cached.state == drive_state::disabled ? effect::disabled : effect::quick_stopped;
+    o.steps = cached.state == drive_state::disabled     ? routine{routines::disable}
+              : cached.state == drive_state::needs_init ? routine{routines::quick_stop_after_silence}
+                                                        : routine{routines::quick_stop};
+}
+} // namespace detail
 
 /// Targets to zero, both motors stay energised. In the position modes there is no such command: use
 /// `quick_stop` or `disable`. Where nothing is known of the drive it stops by every means and ends the
 /// operation, as `init` does.
-struct halt {
-    constexpr prepared_command plan(const cached_settings& cached) const {
-        prepared_command o{.stop = stop_priority::halt};
-        if (!plan_into(o, cached)) o.refusal = errc::wrong_state;
-        return o;
-    }
-    /// False if there is no such command in the drive's mode.
-    static constexpr bool plan_into(prepared_command& o, const cached_settings& cached) {
-        const bool is_enabled = cached.state == drive_state::enabled;
-        if (is_enabled && cached.mode != operating_mode::velocity && cached.mode != operating_mode::torque)
-            return false;
-        o.steps = cached.state == drive_state::needs_init               ? routine{routines::stop_both}
-                  : is_enabled && cached.mode == operating_mode::torque ? routine{routines::halt_torque}
-                                                                        : routine{routines::halt_speed};
-        return true;
-    }
-};
+constexpr prepared_command plan(halt, const cached_settings& cached) {
+    prepared_command o{.stop = stop_priority::halt};
+    if (!detail::plan_halt(o, cached)) o.refusal = errc::wrong_state;
+    return o;
+}
 
 /// Stops both wheels by 2011h and holds them there until the next enable. Section 3.4. A drive that is known
 /// to be disabled has nothing to hold and is stopped as `disable` does.
-struct quick_stop {
-    constexpr prepared_command plan(const cached_settings& cached) const {
-        prepared_command o{.stop = stop_priority::quick_stop};
-        plan_into(o, cached);
-        return o;
-    }
-    static constexpr void plan_into(prepared_command& o, const cached_settings& cached) {
-        o.then = cached.state == drive_state::disabled ? effect::disabled : effect::quick_stopped;
-        o.steps = cached.state == drive_state::disabled     ? routine{routines::disable}
-                  : cached.state == drive_state::needs_init ? routine{routines::quick_stop_after_silence}
-                                                            : routine{routines::quick_stop};
-    }
-};
+constexpr prepared_command plan(quick_stop, const cached_settings& cached) {
+    prepared_command o{.stop = stop_priority::quick_stop};
+    detail::plan_quick_stop(o, cached);
+    return o;
+}
 
 /// Clears the faults, at standstill; the drive stays disabled. Section 3.5.
 /// Errors: `faulted` if a fault is still there.
-struct fault_reset {
-    constexpr prepared_command plan(const cached_settings& cached) const {
-        return {.steps = routines::fault_reset,
-                .then = effect::disabled,
-                .refusal = detail::needs_init_done(cached)};
-    }
-};
+constexpr prepared_command plan(fault_reset, const cached_settings& cached) {
+    return {
+        .steps = routines::fault_reset, .then = effect::disabled, .refusal = detail::needs_init_done(cached)};
+}
 
 /// Velocity mode: both wheels in one frame. Errors: `out_of_range`, `inexact`, `wrong_state`, `needs_init`.
 struct velocity {
@@ -330,38 +327,36 @@ struct move_right_to {
     }
 };
 
-/// Waits until both wheels stand, at most 60 s. Errors: `not_reached`; `stopped_short` after a move that has
-/// ended elsewhere than at its target.
-struct wait_standstill {
-    constexpr prepared_command plan(const cached_settings& cached) const {
-        return {.steps = routines::wait_standstill,
-                .arguments = {static_cast<std::uint16_t>(wheels::both)},
-                .refusal = detail::needs_init_done(cached)};
-    }
-};
+/// Waits until both wheels stand.
+constexpr prepared_command plan(const wait_standstill& wanted, const cached_settings& cached) {
+    return {.steps = routines::wait_standstill,
+            .arguments = {static_cast<std::uint16_t>(wheels::both)},
+            .refusal = detail::needs_init_done(cached),
+            .limit = wanted.limit};
+}
 
-/// Waits until the last move of these wheels has ended, each within 20 counts of its target, at most `within`.
-/// Errors: `stopped_short` if one is at rest elsewhere (`drive::arrival()` says where and why), `faulted`,
-/// `not_reached`, `wrong_state` if no move was commanded since the last `init` or `enable`.
-struct until_arrived {
-    duration within = milliseconds(60'000);
-    zlac8015d::wheels which = zlac8015d::wheels::both;
+/// Waits until the last move of these wheels has ended, within 20 counts of its target. Errors: as `wait_reached`;
+/// `wrong_state` if they have no move since the last `init` or `enable`.
+struct wait_wheels_reached {
+    zlac8015d::wheels which;
+    duration limit = milliseconds(60'000);
 
     constexpr prepared_command plan(const cached_settings& cached) const {
-        return {.steps = routines::until_arrived,
+        return {.steps = routines::wait_reached,
                 .arguments = {static_cast<std::uint16_t>(which)},
                 .then = effect::arrived,
                 .refusal = detail::needs_init_done(cached),
-                .limit = within};
+                .limit = limit};
     }
 };
+/// As `wait_wheels_reached`, of both wheels.
+constexpr prepared_command plan(const wait_reached& wanted, const cached_settings& cached) {
+    return wait_wheels_reached{wheels::both, wanted.limit}.plan(cached);
+}
 
 /// Reads state, faults, positions and speeds in one frame; `drive::feedback` has them.
-struct read_feedback {
-    constexpr prepared_command plan(const cached_settings& cached) const {
-        return {
-            .steps = routines::feedback, .then = effect::seen, .refusal = detail::needs_init_done(cached)};
-    }
-};
+constexpr prepared_command plan(read_feedback, const cached_settings& cached) {
+    return {.steps = routines::feedback, .then = effect::seen, .refusal = detail::needs_init_done(cached)};
+}
 
 } // namespace servobus::zlac8015d

@@ -8,7 +8,7 @@
 //     zlac8015d::drive wheels{wire, 1, {.command_timeout = milliseconds(300)}};
 //     if (!wheels.run(zlac8015d::init{})) return 1;
 //     const result<zlac8015d::feedback> seen = wheels.read(); // one request
-//     if (!seen || seen->any_fault()) return 1;
+//     if (!seen || seen->has_fault()) return 1;
 //     if (seen->left_speed > 10 * r_per_min) std::puts("the left wheel turns");
 #pragma once
 
@@ -31,7 +31,8 @@ struct feedback {
     reading<left_actual_speed> left_speed{};   ///< counts of 0.1 r/min
     reading<right_actual_speed> right_speed{}; ///< counts of 0.1 r/min
 
-    constexpr bool any_fault() const { return left_faults.any() || right_faults.any(); }
+    constexpr bool has_fault() const { return left_faults.any() || right_faults.any(); }
+    constexpr bool is_moving() const { return state.is_running(); }
 
     /// Takes the eleven words of 20A2h..20ACh.
     static constexpr feedback from_words(slice<const std::uint16_t> w) {
@@ -54,7 +55,7 @@ struct feedback {
 ///
 ///     zlac8015d::drive wheels{wire, 1, {.command_timeout = milliseconds(300)}};
 ///     if (!wheels.run(init{})) ...
-///     if (!wheels.run(enable{operating_mode::velocity})) ...
+///     if (!wheels.run(enable_in{operating_mode::velocity})) ...
 ///     if (!wheels.run(velocity{30 * r_per_min, -30 * r_per_min})) ...
 ///
 /// In a superloop `begin(command)` instead of `run`, and `step()` in each loop iteration. When the drive's
@@ -92,15 +93,17 @@ template <class Line> class drive : public facade<model, Line> {
     }
 
     /// Of the wheels that `end` waits for.
-    constexpr zlac8015d::arrival arrival(const until_arrived& end) const { return arrival(end.which); }
+    constexpr zlac8015d::arrival arrival(const wait_wheels_reached& end) const { return arrival(end.which); }
+    constexpr zlac8015d::arrival arrival(const wait_reached&) const { return arrival(); }
 
     using base::run;
     /// Runs a move and waits for its end. Returns how that was; `none` if the move did not begin, as `last`
     /// says.
-    template <class Move> zlac8015d::arrival run(const Move& move, const until_arrived& end) {
-        if (!base::run(move)) return {};
-        (void)base::run(end);
-        return arrival(end);
+    template <class Move> zlac8015d::arrival run(const Move& move, const wait_reached& end) {
+        return run_until(move, end);
+    }
+    template <class Move> zlac8015d::arrival run(const Move& move, const wait_wheels_reached& end) {
+        return run_until(move, end);
     }
 
     /// Reads state, faults, positions and speeds in one frame. A fault on one wheel while the drive is
@@ -112,6 +115,11 @@ template <class Line> class drive : public facade<model, Line> {
     }
 
   private:
+    template <class Move, class End> zlac8015d::arrival run_until(const Move& move, const End& end) {
+        if (!base::run(move)) return {};
+        (void)base::run(end);
+        return arrival(end);
+    }
     constexpr zlac8015d::feedback last_feedback() const {
         return zlac8015d::feedback::from_words({this->image(), model::image.words});
     }

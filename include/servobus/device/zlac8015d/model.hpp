@@ -29,6 +29,11 @@ class model {
     using prepared_command = zlac8015d::prepared_command;
     using settings = cached_settings;
 
+    static constexpr drive_traits traits{.stops_without_line = true,
+                                         .halts_in_position = false,
+                                         .changes_speed_on_the_run = true,
+                                         .has_homing = false,
+                                         .keeps_single_parameters = false};
     /// 20A2h..20ACh: status, temperatures, faults, positions and speeds in one frame.
     static constexpr register_block image{status_word.address, 11};
     static constexpr drive_state enabled = drive_state::enabled;
@@ -117,8 +122,8 @@ class model {
             c.steps = routines::stop_after_silence;
         } else if (priority == stop_priority::disable) {
             c.then = effect::disabled;
-        } else if (priority == stop_priority::quick_stop || !halt{}.plan_into(c, known)) {
-            quick_stop{}.plan_into(c, known);
+        } else if (priority == stop_priority::quick_stop || !detail::plan_halt(c, known)) {
+            detail::plan_quick_stop(c, known);
         }
         return c;
     }

@@ -14,10 +14,15 @@
 #include <cstdint>
 
 #include <servobus/control/command.hpp>
+#include <servobus/control/common_commands.hpp>
 #include <servobus/control/states.hpp>
 #include <servobus/device/zlac8015d/routines.hpp>
 
 namespace servobus::zlac8015d {
+
+using servobus::disable, servobus::drive_state, servobus::enable, servobus::fault_reset, servobus::halt,
+    servobus::init, servobus::quick_stop, servobus::read_feedback, servobus::wait_reached,
+    servobus::wait_standstill;
 
 /// Speeds: every resolution that the drive has, 1 .. 1/10 r/min, is a whole number of these. `30 * r_per_min`
 /// and `125 * part<10>(r_per_min)` convert to it exactly.
@@ -26,14 +31,6 @@ using current = quantity<units::milliampere, std::int32_t>;
 using time = quantity<units::millisecond, std::int32_t>;
 using distance = quantity<units::pulse, std::int32_t>;
 using current_slope = quantity<units::milliampere_per_second, std::int32_t>;
-
-enum class drive_state : std::uint8_t {
-    needs_init,    ///< nothing is known of the drive; only `init`, stops and raw access are possible
-    disabled,      ///< the shafts are free, or held as 2007h, 200Ch and the brakes say
-    enabled,       ///< in the mode that was ordered, targets obeyed
-    quick_stopped, ///< enable must follow before motion
-    faulted,       ///< disabled, and the last feedback shows a fault: `fault_reset` must follow
-};
 
 /// What the program has cached of the drive. Void after an unknown outcome, silence or a restart.
 struct cached_settings {

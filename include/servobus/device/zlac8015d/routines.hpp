@@ -204,8 +204,8 @@ inline constexpr step set_resolution[]   = {must_stand, steps::write_arguments<s
 
 /// After a move it must also be at its target; a restart may have put the positions where the move would end.
 inline constexpr step wait_standstill[] = {
-    steps::until_bits<status_word>(status_flags::running_bits, 0, 60'000), until_slow, steps::confirm(60'000), steps::same_drive()};
-inline constexpr step until_arrived[]   = {steps::confirm(), steps::same_drive()};
+    steps::until_bits<status_word>(status_flags::running_bits, 0, step::commanded_limit), until_slow, steps::confirm(), steps::same_drive()};
+inline constexpr step wait_reached[]    = {steps::confirm(), steps::same_drive()};
 
 /// Whether the drive is still in the mode of argument 0.
 inline constexpr step same_mode[] = {steps::expect_arguments<mode_of_operation>(0, errc::needs_init)};

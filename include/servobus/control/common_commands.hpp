@@ -1,0 +1,70 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// The commands that every drive has, so that one program drives any of them. Each device makes its routines of them by
+// functions `plan(command, settings)`, whose comments say what differs. Programs get it with the header of a device.
+//
+//     template <class Drive> bool take_over(Drive& drive) {
+//         if (!drive.run(init{})) return false;
+//         if (drive.state() == drive_state::faulted && !drive.run(fault_reset{})) return false;
+//         return static_cast<bool>(drive.run(enable{}));
+//     }
+#pragma once
+
+#include <servobus/core/time.hpp>
+
+namespace servobus {
+
+/// Takes a drive over, whatever a program before this one did: stops it, waits until it is at standstill, reads what must
+/// be known. Nothing moves. A stepper that is energised already, as after its power was switched on, stays so.
+struct init {};
+
+/// Energises the motor; only at standstill and without a fault. Nothing moves by itself. A drive with several modes of
+/// operation is enabled in velocity mode; its `enable_in` names another.
+struct enable {};
+
+/// Stops, waits until the motor is at standstill, and switches its power off. The shaft may be free then.
+struct disable {};
+
+/// Stops by the ramp of the present motion; the motor stays energised. Errors: `wrong_state` in a mode in which the drive
+/// has no such stop.
+struct halt {};
+
+/// Stops as fast as the drive can.
+struct quick_stop {};
+
+/// Clears the faults, at standstill. Nothing moves, and no motor is energised by this command. Errors: `faulted` if a
+/// fault remains.
+struct fault_reset {};
+
+/// Waits until the motor is at standstill. Errors: `not_reached` after `limit`; `faulted`; `stopped_short` after a move
+/// that has ended elsewhere than at its target.
+struct wait_standstill {
+    duration limit = milliseconds(60'000);
+};
+
+/// Waits until the last move has ended at its target. Errors: `stopped_short` if the motor is at rest elsewhere
+/// (`arrival()` of the drive says where and why); `not_reached` after `limit`; `faulted`; `wrong_state` if no move with a
+/// known target was commanded since `init`.
+struct wait_reached {
+    duration limit = milliseconds(60'000);
+};
+
+/// Reads the drive's feedback.
+struct read_feedback {};
+
+namespace commands {
+/// A command made ready by its own `plan`, or, for a common one, by the device's.
+template <class Command, class Settings>
+constexpr auto prepared(const Command& wanted, const Settings& known) {
+    if constexpr (requires { wanted.plan(known); }) {
+        return wanted.plan(known);
+    } else {
+        static_assert(
+            requires { plan(wanted, known); }, "this drive has no such command");
+        return plan(wanted, known);
+    }
+}
+} // namespace commands
+
+} // namespace servobus
