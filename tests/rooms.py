@@ -19,7 +19,7 @@ MAY_INCLUDE = {
     "bus": "core modbus registers line client control",
     "explain": "core modbus registers",
     "device": "core registers control",
-    "sim": "core modbus registers line device",
+    "sim": "core modbus registers line control device",
     "posix": "core registers line",
     "windows": "core registers line",
     "": "core modbus registers line client control bus explain",  # servobus.hpp

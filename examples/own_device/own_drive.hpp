@@ -249,6 +249,9 @@ class model {
                                                       : plan(servobus::disable{}, known);
     }
 
+    /// A halt writes `hold`, which energises a winch that has restarted meanwhile: it is switched off then.
+    static constexpr bool stops_after_restart = true;
+
     // How a command begins and ends
 
     constexpr errc admit(const prepared_command& c, const servobus::response_limits&,

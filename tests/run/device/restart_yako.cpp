@@ -209,4 +209,51 @@ TEST_CASE("G21, G35: a restart during a save shows, but from the read of its mar
     CHECK(shown > 60);
 }
 
+TEST_CASE("G20, G21: a motor that a restarted drive turns, since the restart is found after the start, is "
+          "stopped") {
+    unsigned turned = 0;
+    for (std::size_t n = 1; n <= 12; ++n) {
+        CAPTURE(n);
+        closed_axis a;
+        take(a);
+        a.begin_up_to(yako::velocity{60 * r_per_min, 30 * millisecond, 30 * millisecond}, n);
+        if (a.drive.is_idle()) break;
+        a.model.power_cycle(); // it is energised again
+        for (int i = 0; i < 100'000 && !a.drive.is_idle(); ++i) {
+            a.turn();
+            turned += a.is_moving() ? 1u : 0u;
+        }
+        a.run(1'000);
+        CHECK_FALSE(a.is_moving());
+    }
+    CHECK(turned != 0);
+}
+
+TEST_CASE("S1: a drive that restarts before the start of a homing is not sent the start") {
+    unsigned restarts = 0;
+    for (std::size_t n = 1; n <= 20; ++n) {
+        CAPTURE(n);
+        closed_axis a;
+        take(a);
+        a.begin_up_to(declare_position{500 * pulse}, n);
+        if (a.drive.is_idle()) break;
+        // The restart comes after a response, before the next request.
+        while (a.drive.line().port().time_us() != 0 && a.requests.size() == n && !a.is_moving() &&
+               a.wire.responses() < a.wire.requests())
+            a.turn();
+        const bool is_started = a.sent(enabled_yako::start_homing_frame) != 0;
+        const bool was_last_before_start = a.requests.back()[1] == 0x03;
+        a.model.power_cycle();
+        const std::int64_t before = a.model.view().shaft;
+        a.finish();
+        a.run(2'000);
+        ++restarts;
+        // Only what was read in the frame before the start hides a restart after it.
+        if (!is_started && a.sent(enabled_yako::start_homing_frame) != 0) CHECK(was_last_before_start);
+        if (!is_started && a.sent(enabled_yako::start_homing_frame) == 0)
+            CHECK(a.model.view().shaft == before);
+    }
+    CHECK(restarts >= 6);
+}
+
 } // namespace restart_yako_tests

@@ -31,6 +31,8 @@ template <class Device> class model {
                                          .changes_speed_on_the_run = false,
                                          .has_homing = true,
                                          .keeps_single_parameters = false};
+    /// A drive that has restarted is energised, and obeys a start that was sent before the restart was found.
+    static constexpr bool stops_after_restart = true;
     static constexpr bool is_closed_loop = detail::is_closed_loop<Device>;
     /// 0006h..000Ch: error, status, terminals, position and speed in one frame.
     static constexpr register_block image{error_code.address, 7};

@@ -132,15 +132,16 @@ inline constexpr step jog[] = {
 inline constexpr std::uint8_t start_step = 3; ///< of a move with a profile, and of a jog
 inline constexpr std::uint8_t stored_start_step = 4;
 
-/// Section 4.3. Arguments: offset mode, method, offset, and the speeds that the drive should hold.
+/// Section 4.3. Arguments: offset mode, method, offset, and the speeds that the drive should hold. A drive that restarts
+/// after the method was written would look for home by the factory's method.
 inline constexpr step home[] = {
     steps::expect_arguments<cl::homing_fast_speed, cl::homing_slow_speed>(4, errc::needs_init),
     same_drive, may_act,
     steps::write_arguments<homing_offset_mode, cl::homing_method>(0),
-    steps::write_arguments<home_offset>(2),
+    steps::write_arguments<home_offset>(2), same_drive,
     steps::write<motion_command>(motion_code::home()), same_drive, steps::confirm(), same_drive,
 };
-inline constexpr std::uint8_t home_start_step = 5;
+inline constexpr std::uint8_t home_start_step = 6;
 
 /// Section 5.4: what an input's start, or its interruption of a jog, does. 0020h..0025h and 0050h are far
 /// apart: between a target and the kind that it is for, it is a way of zero at a speed of zero.

@@ -1,0 +1,43 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// What a command of a drive's own does, seen from outside: its author says it to sim/conformance.hpp.
+//
+//     constexpr sim::expected endless = sim::turns();
+//     static_assert(sim::moves_by(2000).goal_from(500) == 2500);
+#pragma once
+
+#include <cstdint>
+
+namespace servobus::sim {
+
+/// When a register of the drive tells that it has restarted.
+enum class restart_shows : std::uint8_t { never, while_enabled, always };
+
+struct expected {
+    enum class kind : std::uint8_t { nothing, turns, moves_to, moves_by };
+    kind what = kind::nothing;
+    std::int64_t where = 0; ///< in the counts of the machine's place
+    /// True if the drive has nothing by which a restart between two of the command's requests shows.
+    bool hides_restart = false;
+
+    constexpr bool is_move() const { return what == kind::moves_to || what == kind::moves_by; }
+    constexpr bool is_motion() const { return what != kind::nothing; }
+    /// Where a move ends that begins at `place`.
+    constexpr std::int64_t goal_from(std::int64_t place) const {
+        return what == kind::moves_by ? place + where : where;
+    }
+};
+
+/// Nothing that shows from outside: a setting, a reading.
+constexpr expected changes_nothing() { return {}; }
+/// The same, and a restart between two of its requests cannot be seen.
+constexpr expected hides_a_restart() { return {.hides_restart = true}; }
+/// The motor turns until it is stopped.
+constexpr expected turns() { return {.what = expected::kind::turns}; }
+/// The motor moves to a place, in the counts in which the machine's place is told.
+constexpr expected moves_to(std::int64_t place) { return {.what = expected::kind::moves_to, .where = place}; }
+/// The motor moves by a way.
+constexpr expected moves_by(std::int64_t way) { return {.what = expected::kind::moves_by, .where = way}; }
+
+} // namespace servobus::sim

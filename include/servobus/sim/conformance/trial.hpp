@@ -1,0 +1,288 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// One run of a command on a virtual line: the facade, the simulated drive, up to two mishaps, and what is seen of the
+// drive from outside. sim/conformance.hpp makes the runs and judges them.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include <servobus/control/common_commands.hpp>
+#include <servobus/control/routine_status.hpp>
+#include <servobus/control/states.hpp>
+#include <servobus/control/supervision.hpp>
+#include <servobus/line/line.hpp>
+#include <servobus/sim/conformance/disturbed.hpp>
+#include <servobus/sim/conformance/finding.hpp>
+#include <servobus/sim/line.hpp>
+#include <servobus/sim/station.hpp>
+
+namespace servobus::sim {
+
+template <class Subject> class trial {
+  public:
+    using line_type = line<virtual_line>;
+    using drive_type = typename Subject::template drive<line_type>;
+    using machine_type = disturbed<typename Subject::machine, trial>;
+
+    /// A motion without an end is stopped after it by the facade.
+    static constexpr duration command_limit = milliseconds(400);
+    static constexpr duration stall = milliseconds(3'000);
+
+    explicit trial(unsigned reading)
+        : machine_{*this, [&] { return Subject::make(reading); }}, station_{machine_, Subject::address,
+                                                                            Subject::baud, milliseconds(1),
+                                                                            modbus::rules_of(machine_)},
+          wire_{Subject::baud}, on_{wire_, modbus::timing_at(Subject::baud)},
+          drive_{on_, Subject::address, supervision{.command_timeout = command_limit}} {
+        wire_.attach(station_);
+        wire_.set_hook(&trial::note, this);
+        seen_ = look();
+    }
+    trial(const trial&) = delete;
+    trial& operator=(const trial&) = delete;
+
+    drive_type& drive() { return drive_; }
+    typename Subject::machine& machine() { return machine_.machine; }
+    virtual_line& wire() { return wire_; }
+
+    bool is_energised() const { return Subject::is_energised(machine_.machine); }
+    bool is_turning() const { return Subject::is_turning(machine_.machine); }
+    std::int64_t place() const { return Subject::place(machine_.machine); }
+
+    /// From now on what is seen counts, and the mishaps happen at the requests that follow, counted from 0.
+    void watch(planned_mishap first = {}, planned_mishap second = {}) {
+        planned_[0] = first;
+        planned_[1] = second;
+        first_request_ = wire_.requests();
+        requests_ = writes_ = energised_ = 0;
+        has_happened_ = {};
+        begun_at_ = place();
+        was_turning_ = is_turning();
+        known_ = 0;
+        least_ = most_ = begun_at_;
+        seen_ = look();
+        forget_views();
+    }
+    /// No more mishaps: the line and the drive are sound again.
+    void heal() {
+        planned_[0] = planned_[1] = {};
+        wire_.faults() = {};
+        Subject::end_fault(machine_.machine);
+        Subject::release_stop(machine_.machine);
+        seen_ = look();
+    }
+
+    /// Steps until the command has ended, at most two minutes. Returns false if it has not.
+    bool finish() {
+        const std::uint64_t end = wire_.time_us() + 120'000'000;
+        while (!drive_.is_idle()) {
+            if (wire_.time_us() > end) return false;
+            turn();
+        }
+        return true;
+    }
+    /// Steps for a time, without a command.
+    void live(duration time) {
+        const std::uint64_t end = wire_.time_us() + time.us;
+        while (wire_.time_us() < end) turn();
+    }
+    template <class Command> routine_status run(const Command& wanted) {
+        const errc refused = drive_.begin(wanted);
+        if (refused != errc::ok) return routine_status{refused};
+        if (!finish()) return routine_status{errc::clock_stopped};
+        return drive_.last();
+    }
+
+    // What was seen since `watch`
+
+    /// Requests that began to leave, and those of them that write.
+    unsigned requests() const { return wire_.requests() - first_request_; }
+    unsigned writes() const { return writes_; }
+    /// How often the motor was energised, other than by a restart of the drive.
+    unsigned energised() const { return energised_; }
+    std::int64_t begun_at() const { return begun_at_; }
+    bool was_turning() const { return was_turning_; }
+    /// True for the third to the last but one of equal requests in a row: a wait asks the same again and again.
+    bool is_repeated(unsigned request) const {
+        if (request < 2 || request + 1 >= known_) return false;
+        const std::uint32_t* r = sums_.data() + request;
+        return r[0] == r[-1] && r[0] == r[-2] && r[0] == r[1];
+    }
+    std::int64_t least() const { return least_; }
+    std::int64_t most() const { return most_; }
+    bool has_happened(mishap m) const { return has_happened_[static_cast<unsigned>(m)]; }
+    bool has_restarted() const {
+        return has_happened(mishap::restart_before) || has_happened(mishap::restart_after);
+    }
+    /// True if it held at some time since the last request but one arrived at the drive: a condition shows within two
+    /// frames (G35).
+    bool was_energised() const { return views_[0].energised || views_[1].energised || is_energised(); }
+    bool was_off() const { return views_[0].off || views_[1].off || !is_energised(); }
+    bool stood() const { return views_[0].stood || views_[1].stood || !is_turning(); }
+    bool turned() const { return views_[0].turned || views_[1].turned || is_turning(); }
+    bool was_at(std::int64_t goal) const {
+        return is_near(place(), goal) || (views_[0].any && is_near(views_[0].place, goal)) ||
+               (views_[1].any && is_near(views_[1].place, goal));
+    }
+    static constexpr bool is_near(std::int64_t place, std::int64_t goal) {
+        const std::int64_t away = place - goal;
+        return away <= Subject::tolerance && away >= -Subject::tolerance;
+    }
+
+    std::span<const traced_frame> trace() {
+        for (std::size_t i = 0; i < kept_; ++i)
+            ordered_[i] = frames_[(next_ + frames_.size() - kept_ + i) % frames_.size()];
+        return {ordered_.data(), kept_};
+    }
+
+    // For `disturbed`
+
+    std::uint8_t before() {
+        views_[1] = views_[0];
+        views_[0] = {};
+        view();
+        if (is_due(mishap::restart_before)) restart();
+        if (is_due(mishap::refused)) return 4;
+        if (is_due(mishap::busy)) return 6;
+        return 0;
+    }
+    void after() {
+        view();
+        if (is_due(mishap::restart_after)) restart();
+        if (is_due(mishap::fault)) Subject::have_fault(machine_.machine);
+        if (is_due(mishap::stop_input)) Subject::press_stop(machine_.machine);
+        if (is_due(mishap::foreign_write)) Subject::write_by_another(machine_.machine);
+        sample();
+    }
+
+  private:
+    struct state {
+        bool is_energised = false;
+    };
+    struct views {
+        bool any = false, energised = false, off = false, stood = false, turned = false;
+        std::int64_t place = 0;
+    };
+
+    state look() const { return {is_energised()}; }
+    void forget_views() { views_[0] = views_[1] = {}; }
+    void view() {
+        views_[0].any = true;
+        (is_energised() ? views_[0].energised : views_[0].off) = true;
+        (is_turning() ? views_[0].turned : views_[0].stood) = true;
+        views_[0].place = place();
+    }
+    void sample() {
+        const state now = look();
+        if (now.is_energised && !seen_.is_energised) ++energised_;
+        seen_ = now;
+        const std::int64_t at = place();
+        least_ = at < least_ ? at : least_;
+        most_ = at > most_ ? at : most_;
+    }
+    void restart() {
+        Subject::restart(machine_.machine);
+        seen_ = look();
+    }
+
+    // One mishap happens once, with the request to which it belongs.
+    bool is_due(mishap m) {
+        const unsigned now = requests();
+        for (const planned_mishap& p : planned_) {
+            if (p.what != m || now != p.request + 1) continue;
+            bool& was = has_happened_[static_cast<unsigned>(m)];
+            if (was && planned_[0].what != planned_[1].what) continue;
+            was = true;
+            return true;
+        }
+        return false;
+    }
+    bool strikes(mishap m, unsigned next) {
+        for (const planned_mishap& p : planned_) {
+            if (p.what == m && next == p.request) return has_happened_[static_cast<unsigned>(m)] = true;
+        }
+        return false;
+    }
+    // Before the request `begun` leaves, and while the response to the one before it is awaited.
+    void set_faults() {
+        const unsigned begun = requests();
+        fault_plan& plan = wire_.faults();
+        const auto rate = [](bool is) { return is ? std::uint16_t{1000} : std::uint16_t{0}; };
+        plan.lost_request = rate(strikes(mishap::request_lost, begun));
+        plan.corrupted_request = rate(strikes(mishap::request_damaged, begun));
+        plan.lost_response = rate(strikes(mishap::response_lost, begun - 1));
+        plan.corrupted_response = rate(strikes(mishap::response_damaged, begun - 1));
+        plan.late_response = rate(strikes(mishap::response_late, begun - 1));
+        plan.doubled_response = rate(strikes(mishap::response_doubled, begun - 1));
+    }
+    void turn() {
+        set_faults();
+        const duration idle = drive_.step();
+        set_faults();
+        sample();
+        if (happens_now(mishap::program_stalls)) wire_.pass(stall);
+        if (happens_now(mishap::program_halts)) (void)drive_.begin(halt{});
+        if (happens_now(mishap::program_disables)) (void)drive_.begin(disable{});
+        constexpr duration longest = milliseconds(5); // the machine is looked at so often
+        wire_.wait(idle == duration{} ? microseconds(20) : idle < longest ? idle : longest);
+        sample();
+    }
+    bool happens_now(mishap m) {
+        if (has_happened(m)) return false;
+        return is_due(m);
+    }
+
+    static void note(void* self, const wire_byte& b) { static_cast<trial*>(self)->note(b); }
+    void note(const wire_byte& b) {
+        // A frame ends where the direction changes, or a pause follows.
+        const bool goes_on =
+            kept_ != 0 && newest().is_request == b.is_from_client && b.at_us - newest().at_us < 1'700;
+        if (!goes_on) {
+            frames_[next_] = {};
+            frames_[next_].is_request = b.is_from_client;
+            next_ = (next_ + 1) % frames_.size();
+            kept_ = kept_ < frames_.size() ? kept_ + 1 : kept_;
+        }
+        traced_frame& f = newest();
+        f.at_us = b.at_us;
+        if (f.size < sizeof f.data) f.data[f.size] = b.value;
+        if (f.size < 255) ++f.size;
+        if (!b.is_from_client) return;
+        if (f.size == 2 && modbus::is_write(b.value)) ++writes_;
+        known_ = requests() < sums_.size() ? requests() : static_cast<unsigned>(sums_.size());
+        if (requests() == 0 || requests() > sums_.size()) return;
+        std::uint32_t& sum = sums_[requests() - 1];
+        sum = f.size == 1 ? b.value : sum * 31 + b.value;
+    }
+    traced_frame& newest() { return frames_[(next_ + frames_.size() - 1) % frames_.size()]; }
+
+    planned_mishap planned_[2]{};
+    std::array<bool, sizeof all_mishaps / sizeof *all_mishaps + 1> has_happened_{};
+    std::array<std::uint32_t, 400> sums_{}; // of the requests
+    unsigned known_ = 0;                    // so many of them
+    bool was_turning_ = false;
+    std::array<traced_frame, 40> frames_{};
+    std::array<traced_frame, 40> ordered_{};
+    std::size_t next_ = 0;
+    std::size_t kept_ = 0;
+    std::uint32_t first_request_ = 0;
+    unsigned requests_ = 0;
+    unsigned writes_ = 0;
+    unsigned energised_ = 0;
+    std::int64_t begun_at_ = 0;
+    std::int64_t least_ = 0;
+    std::int64_t most_ = 0;
+    state seen_{};
+    views views_[2]{};
+    machine_type machine_;
+    station<machine_type> station_;
+    virtual_line wire_;
+    line_type on_;
+    drive_type drive_;
+};
+
+} // namespace servobus::sim

@@ -1,0 +1,178 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// What sim/conformance.hpp is told of the drives of the library: how each is seen from outside, what may happen to it,
+// and its commands. `Readings` numbers the interpretations of a manual; number 0 is the simulator's default.
+#pragma once
+
+#include <cstdint>
+
+#include <servobus/device/c630s.hpp>
+#include <servobus/device/yako.hpp>
+#include <servobus/device/zlac8015d.hpp>
+#include <servobus/sim/c630s.hpp>
+#include <servobus/sim/conformance.hpp>
+#include <servobus/sim/yako.hpp>
+#include <servobus/sim/zlac8015d.hpp>
+
+namespace subjects {
+
+using namespace servobus;
+using namespace servobus::units;
+
+/// Only the interpretation that the simulated drive has by default.
+template <class Options> struct default_reading {
+    static constexpr unsigned count = 1;
+    static Options options(unsigned) { return {}; }
+};
+
+template <class Machine> void write_by_hand(Machine& m, std::uint16_t address, std::uint16_t value) {
+    const std::uint8_t word[2]{static_cast<std::uint8_t>(value >> 8),
+                               static_cast<std::uint8_t>(value & 0xFFu)};
+    (void)m.write(address, words_view{word});
+}
+
+template <class Readings = default_reading<sim::zlac8015d_options>> struct wheels {
+    using machine = sim::zlac8015d;
+    template <class Line> using drive = zlac8015d::drive<Line>;
+
+    static constexpr std::uint8_t address = 1;
+    static constexpr std::uint32_t baud = 115200;
+    static constexpr unsigned readings = Readings::count;
+    static constexpr std::int64_t tolerance = 20;
+    static constexpr bool energises_by_reset = false;
+    static constexpr bool energises_by_level = false;
+    static sim::restart_shows restart_is_seen(unsigned) { return sim::restart_shows::while_enabled; }
+
+    static machine make(unsigned reading) { return machine{Readings::options(reading)}; }
+    template <class Drive> static bool take_over(Drive& d, machine& m) {
+        write_by_hand(m, 0x2086, 10'000); // a torque soon turns the wheels
+        write_by_hand(m, 0x2087, 10'000);
+        return static_cast<bool>(d.run(init{}));
+    }
+    static bool is_energised(const machine& m) { return m.enabled(); }
+    static bool is_turning(const machine& m) {
+        const auto turns = [](std::int64_t micro) { return micro > 2'100'000 || micro < -2'100'000; };
+        return turns(m.left().speed) || turns(m.right().speed);
+    }
+    static std::int64_t place(const machine& m) { return m.left().position; }
+    static void restart(machine& m) { m.power_cycle(); }
+    static void have_fault(machine& m) { m.raise(zlac8015d::fault::overcurrent, zlac8015d::fault::none); }
+    static void end_fault(machine& m) { m.end_faults(); }
+    static void press_stop(machine& m) { m.set_input(true, false); }
+    static void release_stop(machine& m) { m.set_input(false, false); }
+    static void write_by_another(machine& m) { write_by_hand(m, 0x2080, 700); }
+
+    template <class Each> static void commands(const Each& each) {
+        using zlac8015d::enable_in, zlac8015d::operating_mode, zlac8015d::synchronisation;
+        const enable_in torque{operating_mode::torque};
+        const enable_in relative{operating_mode::relative_position};
+        const enable_in absolute{operating_mode::absolute_position};
+        const enable_in single{operating_mode::relative_position, synchronisation::asynchronous};
+        each("velocity", enable{}, zlac8015d::velocity{30 * r_per_min, 30 * r_per_min}, sim::turns());
+        each("left_velocity", enable{}, zlac8015d::left_velocity{30 * r_per_min}, sim::turns());
+        each("torque", torque, zlac8015d::torque{3000 * milliampere, 3000 * milliampere}, sim::turns());
+        each("move_by", relative, zlac8015d::move_by{2000 * pulse, 2000 * pulse}, sim::moves_by(2000));
+        each("move_left_by", single, zlac8015d::move_left_by{-1500 * pulse}, sim::moves_by(-1500));
+        each("move_to", absolute, zlac8015d::move_to{2000 * pulse, 2000 * pulse}, sim::moves_to(2000));
+        each("ramps", disable{}, zlac8015d::ramps{200 * millisecond, 200 * millisecond},
+             sim::changes_nothing());
+        each("clear_position", disable{}, zlac8015d::clear_position{}, sim::changes_nothing());
+        each("watchdog", disable{}, zlac8015d::watchdog{2'000 * millisecond}, sim::changes_nothing());
+        each("save", disable{}, zlac8015d::save{}, sim::changes_nothing());
+    }
+};
+
+/// `Machine` is the simulated drive of one of the two variants.
+template <class Machine, template <class> class Drive, class Readings = default_reading<sim::yako_options>>
+struct axis {
+    using machine = Machine;
+    template <class Line> using drive = Drive<Line>;
+
+    static constexpr std::uint8_t address = 1;
+    static constexpr std::uint32_t baud = 115200;
+    static constexpr unsigned readings = Readings::count;
+    static constexpr std::int64_t tolerance = 4;
+    static constexpr bool energises_by_reset = true;
+    static constexpr bool energises_by_level = false;
+    static sim::restart_shows restart_is_seen(unsigned reading) {
+        const bool is_hidden = Readings::options(reading).kept == sim::yako_kept::written;
+        return is_hidden ? sim::restart_shows::never : sim::restart_shows::always;
+    }
+
+    static machine make(unsigned reading) { return machine{Readings::options(reading)}; }
+    template <class D> static bool take_over(D& d, machine& m) {
+        write_by_hand(m, 0x0044, static_cast<std::uint16_t>(yako::input_function::stop));
+        return static_cast<bool>(d.run(init{}));
+    }
+    static bool is_energised(const machine& m) { return m.enabled(); }
+    static bool is_turning(const machine& m) { return m.view().is_moving; }
+    static std::int64_t place(const machine& m) { return m.view().shaft; }
+    static void restart(machine& m) { m.power_cycle(); }
+    static void have_fault(machine& m) { m.raise_alarm(1); }
+    static void end_fault(machine& m) { m.end_alarm(); }
+    static void press_stop(machine& m) { m.set_input(3, true); }
+    static void release_stop(machine& m) { m.set_input(3, false); }
+    static void write_by_another(machine& m) { write_by_hand(m, 0x0021, 300); }
+
+    template <class Each> static void commands(const Each& each) {
+        const yako::motion_profile brisk{10 * r_per_min, 50 * millisecond, 50 * millisecond, 600 * r_per_min};
+        each("velocity", enable{}, yako::velocity{60 * r_per_min}, sim::turns());
+        each("move_by", enable{}, yako::move_by{3000 * pulse, brisk}, sim::moves_by(3000));
+        each("bounded_jog", enable{}, yako::bounded_jog{-2000 * pulse, brisk}, sim::moves_by(-2000));
+        each("set_profile", enable{}, yako::set_profile{brisk}, sim::changes_nothing());
+        each("declare_position", enable{}, yako::declare_position{500 * pulse}, sim::hides_a_restart());
+        each("clear_position", disable{}, yako::clear_position{}, sim::changes_nothing());
+        // The marker is not saved, and so is written anew.
+        each("save", disable{}, yako::save{}, sim::hides_a_restart());
+    }
+};
+template <class Readings = default_reading<sim::yako_options>>
+using closed_axis = axis<sim::yako_closed_loop, yako::closed_loop::drive, Readings>;
+template <class Readings = default_reading<sim::yako_options>>
+using open_axis = axis<sim::yako_open_loop, yako::open_loop::drive, Readings>;
+
+template <class Readings = default_reading<sim::c630s_options>> struct servo {
+    using machine = sim::c630s;
+    template <class Line> using drive = c630s::drive<Line>;
+
+    static constexpr std::uint8_t address = 1;
+    static constexpr std::uint32_t baud = 57600;
+    static constexpr unsigned readings = Readings::count;
+    static constexpr std::int64_t tolerance = 20;
+    static constexpr bool energises_by_reset = false;
+    static constexpr bool energises_by_level = true;
+    static sim::restart_shows restart_is_seen(unsigned) { return sim::restart_shows::always; }
+
+    static machine make(unsigned reading) { return machine{Readings::options(reading)}; }
+    template <class Drive> static bool take_over(Drive& d, machine& m) {
+        if (!d.run(init{}) || !d.run(c630s::set_up{})) return false;
+        m.power_cycle();
+        return static_cast<bool>(d.run(init{})) && d.state() == drive_state::disabled &&
+               d.run(c630s::segment{1, 3000 * c630s::reference_unit, 300 * r_per_min});
+    }
+    static bool is_energised(const machine& m) { return m.enabled(); }
+    static bool is_turning(const machine& m) { return !m.stands_still(); }
+    /// In reference units, by the factory's gear: 10000 a turn of 2^17 counts.
+    static std::int64_t place(const machine& m) { return m.position() * 10'000 / 131'072; }
+    static void restart(machine& m) { m.power_cycle(); }
+    static void have_fault(machine& m) { m.raise(0x620, true); }
+    static void end_fault(machine& m) { m.end_causes(); }
+    static void press_stop(machine& m) { m.set_input(6, true); } // emergency stop, from the factory
+    static void release_stop(machine& m) { m.set_input(6, false); }
+    static void write_by_another(machine& m) { write_by_hand(m, 0x0605, 700); }
+
+    template <class Each> static void commands(const Each& each) {
+        using c630s::control_mode, c630s::enable_in, c630s::torque_share;
+        const enable_in positions{control_mode::position};
+        const enable_in torque{control_mode::torque};
+        each("velocity", enable{}, c630s::velocity{60 * r_per_min}, sim::turns());
+        each("jog", enable{}, c630s::jog{-60 * r_per_min}, sim::turns());
+        each("torque", torque, c630s::torque{10 * percent}, sim::turns());
+        each("start_segment", positions, c630s::start_segment{1}, sim::moves_by(3000));
+        each("ramps", disable{}, c630s::ramps{200 * millisecond, 200 * millisecond}, sim::changes_nothing());
+        each("set_home", disable{}, c630s::set_home{}, sim::changes_nothing());
+    }
+};
+
+} // namespace subjects
