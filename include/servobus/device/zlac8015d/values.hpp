@@ -220,6 +220,43 @@ enum class fault : std::uint16_t {
     speed_command = 0x2000, ///< a commanded speed above the rated one
 };
 
+/// Every fault that the manual lists, in its order.
+inline constexpr fault all_faults[] = {
+    fault::overvoltage,
+    fault::undervoltage,
+    fault::overcurrent,
+    fault::overload,
+    fault::current_deviation,
+    fault::following_error,
+    fault::speed_deviation,
+    fault::reference_voltage,
+    fault::eeprom,
+    fault::hall,
+    fault::motor_overtemperature,
+    fault::encoder,
+    fault::speed_command,
+};
+
+constexpr const char* text(fault f) {
+    switch (f) {
+    case fault::none: return "none";
+    case fault::overvoltage: return "overvoltage";
+    case fault::undervoltage: return "undervoltage";
+    case fault::overcurrent: return "overcurrent";
+    case fault::overload: return "overload";
+    case fault::current_deviation: return "current deviation";
+    case fault::following_error: return "following error";
+    case fault::speed_deviation: return "speed deviation";
+    case fault::reference_voltage: return "reference voltage";
+    case fault::eeprom: return "eeprom";
+    case fault::hall: return "hall";
+    case fault::motor_overtemperature: return "motor overtemperature";
+    case fault::encoder: return "encoder";
+    case fault::speed_command: return "speed command";
+    }
+    return "unlisted fault";
+}
+
 /// 20A5h (left), 20A6h (right): the set of faults of one axis.
 struct faults {
     std::uint16_t bits = 0;
@@ -227,6 +264,9 @@ struct faults {
     constexpr std::uint16_t to_word() const { return bits; }
     constexpr bool any() const { return bits != 0; }
     constexpr bool has(fault f) const { return (bits & static_cast<std::uint16_t>(f)) != 0; }
+    /// The fault of the lowest bit; `fault::none` if none is set. A bit that the manual does not list is returned as
+    /// its number.
+    constexpr fault first() const { return static_cast<fault>(bits & (0u - bits)); }
     friend constexpr bool operator==(faults, faults) = default;
 };
 

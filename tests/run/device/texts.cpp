@@ -1,0 +1,58 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// The text of each state, cause and error that a drive or its facade reports.
+#include <doctest/doctest.h>
+
+#include <string>
+
+#include <servobus/device/c630s.hpp>
+#include <servobus/device/yako.hpp>
+#include <servobus/device/yako/closed_loop_catalogue.hpp>
+#include <servobus/device/zlac8015d.hpp>
+#include <servobus/servobus.hpp>
+
+namespace texts_tests {
+
+using namespace servobus;
+
+/// The values from 0 on have these texts, and the next one has the last text.
+template <class Enum, class... Texts> void check_texts(Texts... expected) {
+    unsigned value = 0;
+    for (const char* one : {expected...}) {
+        CAPTURE(value);
+        CHECK(text(static_cast<Enum>(value)) == std::string{one});
+        ++value;
+    }
+}
+
+TEST_CASE("the states of a facade have texts") {
+    check_texts<stop_priority>("no stop", "halt", "disable", "quick stop", "unknown");
+    check_texts<verdict>("as expected", "faulted", "faulted and without power",
+                         "held by an input or another program", "disabled", "perhaps restarted", "unknown");
+    check_texts<stop_cause>("unknown", "fault", "stop input or limit switch", "software limit", "blocked",
+                            "stop of this program", "restart", "unknown");
+    check_texts<arrival_state>("no move", "under way", "reached", "stopped short", "unknown");
+    check_texts<motion_check>("not asked", "seen", "not seen", "unknown", "unknown");
+    check_texts<outcome>("done", "refused", "not sent", "unknown", "unknown");
+}
+
+TEST_CASE("the state of each drive has a text") {
+    check_texts<zlac8015d::drive_state>("needs init", "disabled", "enabled", "quick stopped", "faulted",
+                                        "unknown");
+    check_texts<yako::drive_state>("needs init", "released", "enabled", "faulted", "unknown");
+    check_texts<c630s::drive_state>("needs init", "needs set-up", "needs power cycle", "disabled", "enabled",
+                                    "quick stopped", "faulted", "unknown");
+}
+
+TEST_CASE("YAKO: an error code has the name that the catalogue gives it") {
+    const entry& row = *yako::closed_loop::catalogue.find(0x0006);
+    REQUIRE(row.values.size() == 6);
+    for (const named_value& v : row.values) CHECK(yako::error_text(v.value) == std::string{v.name});
+    CHECK(yako::error_text(6) == std::string{"unlisted error"});
+    CHECK(yako::error_text(0xFFFF) == std::string{"unlisted error"});
+}
+
+static_assert(text(stop_cause::blocked)[0] == 'b' && yako::error_text(2)[6] == '2');
+
+} // namespace texts_tests
