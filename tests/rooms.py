@@ -1,7 +1,7 @@
 # SPDX-FileCopyrightText: The servobus authors
 # SPDX-License-Identifier: BSL-1.0
-"""Checks from the includes that the rooms of include/servobus/ form layers, names each include that breaks them, and
-checks that violations are found.
+"""Checks from the includes that the rooms of include/servobus/ form layers, and that no header includes what programs
+include by choice; names each include that breaks this, and checks that violations are found.
 """
 import re
 import sys
@@ -24,6 +24,8 @@ MAY_INCLUDE = {
     "windows": "core registers line",
     "": "core modbus registers line client control bus explain",  # servobus.hpp
 }
+# Headers with text for people, which no other header includes: they cost a program that does not include them nothing.
+BY_CHOICE = re.compile(r"device/\w+/advice\.hpp")
 INCLUDE = re.compile(r"^\s*#\s*include\s*<servobus/([^>]+)>", re.MULTILINE)
 
 # A header, a line that is added to it, and how the violation is described.
@@ -34,6 +36,8 @@ BREAKS = [
     ("core/slice.hpp", "#include <servobus/core/bytes.hpp>",
      "circle: core/bytes.hpp -> core/slice.hpp -> core/bytes.hpp"),
     ("control/facade.hpp", "#include <servobus/line/detail/arbiter.hpp>", "a detail/ is for its own room"),
+    ("device/c630s/feedback.hpp", "#include <servobus/device/c630s/advice.hpp>",
+     "device/c630s/feedback.hpp includes device/c630s/advice.hpp, which programs include by choice"),
     ("device/yako/common.hpp", "using servobus::detail::sound_row;", "device/yako/common.hpp uses servobus::detail"),
 ]
 
@@ -64,6 +68,8 @@ def violations(texts):
                 wrong.append(f"{header} includes {other}: {own or 'servobus.hpp'} may include {may}")
             elif "/detail/" in other and room(other) != own:
                 wrong.append(f"{header} includes {other}: a detail/ is for its own room")
+            if BY_CHOICE.fullmatch(other):
+                wrong.append(f"{header} includes {other}, which programs include by choice")
         if own in ("device", "sim") and "servobus::detail" in texts[header]:
             wrong.append(f"{header} uses servobus::detail: what a drive's author needs is public")
     return wrong + circles(includes)
