@@ -106,9 +106,11 @@ constexpr command table[] = {
               "when it may be written, when that takes effect, modes, range, default, scale and unit.",
      .run = map},
     {.name = "alarms",
-     .words = "c630s",
-     .summary = "the drive's alarms as CSV",
-     .about = "Prints code,class,resettable,name.",
+     .words = "DEVICE",
+     .summary = "the drive's alarms as CSV, with advice",
+     .about = "Prints a row for each alarm, of the zlac8015d for each fault bit: code, class, resettable, "
+              "name, and in quotes what its manual says: cause, remedy, and how it is reset. Where the "
+              "manual does not say whether it can be reset, resettable is unstated.",
      .run = alarms},
     {.name = "explain",
      .words = "DEVICE[:NODE]...",

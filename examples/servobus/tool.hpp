@@ -13,6 +13,7 @@
 #include <string_view>
 #include <vector>
 
+#include <servobus/control/advice.hpp>
 #include <servobus/core/result.hpp>
 #include <servobus/registers/catalogue.hpp>
 #include <servobus/sim/faults.hpp>
@@ -88,10 +89,20 @@ struct save_command {
     u16 cleared_first = 0; ///< a register that must read 0 when it is given; 0: none
 };
 
+/// A row of a drive's table of alarms.
+struct alarm_row {
+    std::string code; ///< as the drive shows or reports it
+    const char* kind;
+    const char* resettable; ///< yes, no, or unstated
+    const char* name;
+    servobus::advice what;
+};
+
 /// A drive that the tool knows.
 struct device {
     const servobus::catalogue* map;
     int (*simulate)(const simulation&);
+    std::vector<alarm_row> (*alarms)();
     repose (*at_rest)(session&);
     bool (*stops)(u16 address, u16 word);            ///< a write that stops the motor and does nothing else
     std::optional<save_command> save = std::nullopt; ///< none: every write is kept
@@ -124,6 +135,11 @@ int simulate_zlac8015d(const simulation& wanted);
 int simulate_yako_closed_loop(const simulation& wanted);
 int simulate_yako_open_loop(const simulation& wanted);
 int simulate_c630s(const simulation& wanted);
+
+// commands/alarms.cpp
+std::vector<alarm_row> zlac8015d_alarms();
+std::vector<alarm_row> yako_alarms();
+std::vector<alarm_row> c630s_alarms();
 
 // The commands, one a file of commands/. Their options are those of their rows in commands.cpp.
 int map(const arguments& asked);

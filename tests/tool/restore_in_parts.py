@@ -37,7 +37,7 @@ def c630s_too_many(tool: Tool):
         tool.write("many", with_checksum(tool, "c630s", many_changes(tool, saved)))
         tool.exits("c630s: more than 200 are refused", "restore drive c630s many --yes", 1)
         tool.err_has("c630s: and why",
-                     "more than 200 raise an alarm of the drive (Er.942); --part writes the first of them")
+                     "more than 200 raise an alarm of the drive (Er.942, parameters stored too often); --part writes the first of them")
         tool.run("restore drive c630s many --part --dry-run")
         tool.check("c630s: --part takes 200", sum(" -> " in line for line in tool.last.lines) >= 200)
         tool.check("c630s: and says so", "servobus: writes into the EEPROM: 200" in tool.last.err_lines)

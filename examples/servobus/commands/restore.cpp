@@ -7,6 +7,8 @@
 #include <array>
 #include <cstdio>
 
+#include <servobus/device/c630s/alarms.hpp>
+
 #include "../os/interrupts.hpp"
 #include "../parameters.hpp"
 #include "../terminals.hpp"
@@ -183,7 +185,8 @@ class restoration {
         if (most != 0 && stored > most) {
             if (!asked_->has("part")) {
                 const std::string whole = counted(stored, "write") + " into the EEPROM; more than " +
-                                          std::to_string(most) + " raise an alarm of the drive (Er.942)";
+                                          std::to_string(most) + " raise an alarm of the drive (Er.942, " +
+                                          servobus::c630s::find_alarm(0x942)->name + ")";
                 if (!asked_->has("dry-run"))
                     return complain(failed, "refused, nothing was written: " + whole +
                                                 "; --part writes the first of them");

@@ -1,7 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Coolmay C630S: advice about each alarm. Programs that show it to a person include this header; c630s.hpp does not.
+// Coolmay C630S: advice about each alarm, 11 KB of flash where it is called. Programs that show it to a person include
+// this header; c630s.hpp does not.
 // Source: manual V24.111, sections 5.2.3, 5.2.4, 8.1.1 and 8.1.2; [errata Cn] are in device/errata_c630s.md.
 //
 // The comment of a row names its place in the manual and the items that the manual numbers there. P02-31 = 1
