@@ -13,8 +13,8 @@
 
 namespace servobus {
 
-/// Stands where a manual has no cause, no remedy or no reset.
-inline constexpr const char* not_in_manual = "The manual does not say.";
+/// The text where a manual has no cause, remedy or reset. An array, so that its address can be compared.
+inline constexpr char not_in_manual[] = "The manual does not say.";
 
 /// Advice about one fault, from the drive's manual: English sentences of ASCII characters, never null or empty.
 /// Cause and remedy have 25 words at most.

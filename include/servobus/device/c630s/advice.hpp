@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: BSL-1.0
 //
 // Coolmay C630S: advice about each alarm, 11 KB of flash where it is called. Programs that show it to a person include
-// this header; c630s.hpp does not.
-// Source: manual V24.111, sections 5.2.3, 5.2.4, 8.1.1 and 8.1.2; [errata Cn] are in device/errata_c630s.md.
+// this header; c630s.hpp does not. Source: manual V24.111, sections 5.2.3, 5.2.4, 8.1.1 and 8.1.2; [errata Cn] are in
+// device/errata_c630s.md.
 //
 // The comment of a row names its place in the manual and the items that the manual numbers there. P02-31 = 1
 // initialises the parameters, those of the line among them [errata C39].
@@ -78,7 +78,7 @@ inline constexpr alarm_advice advice_table[] = {
      "Check the motor cable and the wiring. Switch the power off and on. Replace motor or encoder cable. Last, replace the drive."},
     {0x400, // 8.1.1 Er.400, 1..5 [errata C65, C66]
      "Bus voltage above 420 V: mains too high or unstable; braking resistor broken or too large; ramps too short.",
-     "Compare P0B-26 with the mains: 220 V give 310 V. With the power off, measure the braking resistor. Lengthen the ramps. Stabilise the mains."},
+     "Power off, measure the braking resistor; fit 40 or 50 ohm. Lengthen the ramps. Stabilise the mains: 220 V give 310 V in P0B-26."},
     {0x410, // 8.1.1 Er.410, 1 and 2
      "Bus voltage below 200 V: the mains are unstable or lost.",
      "Check the wiring; stabilise the mains. Compare P0B-26 with the mains: 220 V give 310 V. If they differ much, replace the drive."},

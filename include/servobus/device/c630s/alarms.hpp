@@ -5,7 +5,7 @@
 // Source: manual V24.111, chapter 8; [errata Cn] are in device/errata_c630s.md.
 //
 // P0D-01 and FunIN.2 reset a warning immediately, and a resettable fault only while the servo is off. For the
-// other faults, switch the power off and remove the cause.
+// other faults, switch the power off and remove the cause. c630s/advice.hpp has cause and remedy of each.
 //
 //     constexpr const c630s::alarm* a = c630s::find_alarm(0x620); // Er.620, motor overload
 //     static_assert(a->kind == c630s::alarm_class::fault && a->is_resettable);
