@@ -77,6 +77,8 @@ struct hooks {
 };
 inline void serve() {
     (void)servobus::row_values<tank::dose, tank::flow>{};
+    (void)servobus::row_values<tank::dose>{};
+    (void)servobus::row_values<scale::pair_word_order, scale::weight>{};
     (void)servobus::row_values<tank::flow, tank::limit>{};
     (void)servobus::row_values<tank::limit, tank::flow>{};
     tank_values values;

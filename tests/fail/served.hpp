@@ -38,5 +38,16 @@ inline constexpr servobus::reg<servobus::u16, servobus::access::rw, device> spee
     0x0010, {0, 3000}, servobus::no_unit, 0};
 } // namespace pump
 
+namespace scale {
+struct device {
+    static constexpr servobus::profile facts{
+        .name = "scale", .word_order = servobus::word_order::unknown, .word_order_register = 0x0001};
+};
+inline constexpr servobus::reg<servobus::u16, servobus::access::rw, device> pair_word_order{
+    0x0001, {0, 1}, servobus::no_unit, 0};
+inline constexpr servobus::reg<servobus::u32, servobus::access::ro, device> weight{
+    0x0010, {0, 90'000}, servobus::no_unit, 0};
+} // namespace scale
+
 using tank_values = servobus::row_values<tank::limit, tank::flow, tank::valve>;
 using tank_changes = servobus::changes<tank_values>;

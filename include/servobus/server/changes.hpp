@@ -12,6 +12,7 @@
 #include <cstddef>
 #include <cstdint>
 
+#include <servobus/registers/block.hpp>
 #include <servobus/registers/profile.hpp>
 #include <servobus/server/row_values.hpp>
 
@@ -22,8 +23,12 @@ namespace servobus {
 template <class Values> class changes {
   public:
     /// A write of `quantity` coils or words of `to`, from `address` on, whose values are in `data` as on the line.
-    constexpr changes(const Values& values, table to, u16 address, u16 quantity, const std::uint8_t* data)
-        : values_{&values}, data_{data}, address_{address}, quantity_{quantity}, table_{to} {}
+    /// `order` is the word order of the request.
+    constexpr changes(const Values& values, table to, u16 address, u16 quantity, const std::uint8_t* data,
+                      word_order order)
+        : values_{&values}, data_{data}, address_{address}, quantity_{quantity}, table_{to} {
+        word_order_.set(order);
+    }
 
     /// True if row `R` is written.
     template <const auto& R> constexpr bool is_written() const {
@@ -63,7 +68,7 @@ template <class Values> class changes {
         if constexpr (In == detail::pool::bits) {
             return data_[at / 8] >> at % 8 & 1u;
         } else if constexpr (In == detail::pool::wide) {
-            return join_words(word_at(2 * at), word_at(2 * at + 2), Values::device::facts.word_order);
+            return join_words(word_at(2 * at), word_at(2 * at + 2), word_order_.value());
         } else {
             return word_at(2 * at);
         }
@@ -75,6 +80,7 @@ template <class Values> class changes {
     u16 address_;
     u16 quantity_;
     table table_;
+    [[no_unique_address]] detail::kept_word_order<typename Values::device> word_order_{};
 };
 
 } // namespace servobus

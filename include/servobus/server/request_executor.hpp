@@ -212,23 +212,27 @@ template <class Values, class... Options> class request_executor {
                 return illegal_address;
         }
         p[1] = static_cast<std::uint8_t>(payload);
-        return walk::go(*values_, step::read, code - 1, address, quantity, p + 2);
+        return walk::go(*values_, in_order(step::read), code - 1, address, quantity, p + 2);
     }
+
+    constexpr step in_order(step what) const { return walk::in(values_->order_of_pairs(), what); }
 
     // Changes all or nothing.
     constexpr unsigned change(unsigned of, unsigned address, unsigned quantity, std::uint8_t* data) {
-        const unsigned wrong = walk::go(*values_, step::check, of, address, quantity, data);
+        const word_order order = values_->order_of_pairs(); // the request may switch it
+        const unsigned wrong = walk::go(*values_, walk::in(order, step::check), of, address, quantity, data);
         if (wrong != 0) return wrong;
         if constexpr (has_hooks) {
-            const changes<Values> written{*values_, static_cast<table>(of), static_cast<u16>(address),
-                                          static_cast<u16>(quantity), data};
+            const changes<Values> written{
+                *values_, static_cast<table>(of), static_cast<u16>(address), static_cast<u16>(quantity), data,
+                order};
             const unsigned refusal = hooks_->before_write(written);
             if (refusal != 0) return refusal;
-            (void)walk::go(*values_, step::store, of, address, quantity, data);
+            (void)walk::go(*values_, walk::in(order, step::store), of, address, quantity, data);
             hooks_->after_write(written);
             return 0;
         } else {
-            return walk::go(*values_, step::store, of, address, quantity, data);
+            return walk::go(*values_, walk::in(order, step::store), of, address, quantity, data);
         }
     }
 
@@ -253,7 +257,7 @@ template <class Values, class... Options> class request_executor {
         const unsigned wrong = change(2, word_at(p + 5), written, p + 10);
         if (wrong != 0) return wrong;
         p[1] = static_cast<std::uint8_t>(2 * quantity);
-        return walk::go(*values_, step::read, 2, from, quantity, p + 2);
+        return walk::go(*values_, in_order(step::read), 2, from, quantity, p + 2);
     }
 
     struct none {};

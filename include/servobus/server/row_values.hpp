@@ -3,7 +3,8 @@
 //
 // The values of a device's rows: holding and input registers, coils and discrete inputs. The rows make the storage, so no
 // value can be bound to a wrong address. server/row_server.hpp serves them to clients; the device itself reads and
-// sets them.
+// sets them. If the profile has a `word_order_register`, its row decides in which order 32-bit values are sent and
+// received; a request that changes it has the order from before.
 //
 //     using tank_values = row_values<tank::lowest, tank::highest, tank::level, tank::valve>;
 //     constexpr void keep(tank_values& values, i32 measured) { values.set<tank::level>(measured); }
@@ -60,8 +61,12 @@ template <const auto&... Rows> class row_values {
   public:
     using device = typename detail::same_device_of<typename detail::entry_of<Rows>::row::device...>::device;
     static_assert(device_class<device>, "the device of a server's rows has a profile, `facts`");
-    static_assert(has_fixed_word_order<device>,
-                  "a server has one word order: state it in the device's profile");
+    static_assert(
+        device::facts.word_order != word_order::unknown || device::facts.word_order_register != 0,
+        "a server has one word order, or a register that switches it: state it in the device's profile");
+    static_assert(
+        has_fixed_word_order<device> || list.has_switch_at(device::facts.word_order_register),
+        "the device switches its word order: its server has that register, a stored row from 0 to 1");
 
     constexpr row_values() = default;
 
@@ -115,6 +120,16 @@ template <const auto&... Rows> class row_values {
     static constexpr const auto& functions = detail::flash_functions<Rows...>;
     template <class Int, detail::pool In> static constexpr const auto& ranges() {
         return detail::flash_ranges<Int, In, Rows...>.all;
+    }
+
+    // The word order of 32-bit values. Where a register switches it: that of now.
+    constexpr word_order order_of_pairs() const {
+        if constexpr (has_fixed_word_order<device>) {
+            return device::facts.word_order;
+        } else {
+            constexpr std::size_t slot = list.find_word(device::facts.word_order_register)->slot;
+            return storage_.narrow.load(slot) == 0 ? word_order::high_first : word_order::low_first;
+        }
     }
 
     template <const auto& R> static consteval std::size_t index_of() {

@@ -121,6 +121,19 @@ template <std::size_t Rows> struct row_list {
     bool can_write[4]{};
     bool overlaps = false;
     bool repeats = false;
+
+    /// The stored holding register of one word at `address`; null if there is none.
+    constexpr const plain_row* find_word(u16 address) const {
+        for (const plain_row& r : rows) {
+            if (r.of == table::holding_registers && r.address == address && r.in == pool::narrow) return &r;
+        }
+        return nullptr;
+    }
+    /// True if that register is 0 or 1, as one that switches the word order.
+    constexpr bool has_switch_at(u16 address) const {
+        const plain_row* const r = find_word(address);
+        return r != nullptr && r->low == 0 && r->high == 1;
+    }
 };
 
 template <std::size_t Rows> constexpr void count_runs(row_list<Rows>& list) {

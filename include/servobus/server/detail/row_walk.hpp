@@ -35,6 +35,12 @@ template <class Values, bool HasProbe> class row_walk {
 
   public:
     static constexpr bool must_probe = has_computed; // a function may do more than compute
+    /// A step of a request that has this word order from its first check to its last store. A step that touches one word
+    /// needs none.
+    static constexpr walk_step in(word_order order, walk_step what) {
+        const bool is_marked = can_switch_order && order == word_order::low_first;
+        return static_cast<walk_step>(static_cast<u32>(what) | (is_marked ? low_first_flag : 0));
+    }
     static constexpr unsigned illegal_address = 2, illegal_value = 3;
 
     /// Goes through `quantity` words or bits of a table from `address` on, whose values are or come in `data`. Returns
@@ -51,7 +57,9 @@ template <class Values, bool HasProbe> class row_walk {
     }
 
   private:
-    static constexpr u32 probe_flag = 0x1'0000, store_flag = 0x2'0000, wrong_flag = 0x4'0000;
+    static constexpr u32 probe_flag = 0x1'0000, store_flag = 0x2'0000, wrong_flag = 0x4'0000,
+                         low_first_flag = 0x8'0000;
+    static constexpr bool can_switch_order = !has_fixed_word_order<typename Values::device>;
 
     // The number of a row; `missing` if the table has none at this address. A binary search.
     static constexpr unsigned missing = ~0u;
@@ -110,7 +118,7 @@ template <class Values, bool HasProbe> class row_walk {
                 if (is_probe(step)) {
                     data += is_pair ? 4 : 2;
                 } else {
-                    u32 v = is_pair ? in_word_order(value_of<pool::wide>(values, *row))
+                    u32 v = is_pair ? in_word_order(step, value_of<pool::wide>(values, *row))
                                     : value_of<pool::narrow>(values, *row);
                     if (is_pair) data = put_word(data, v >> 16);
                     data = put_word(data, v);
@@ -119,7 +127,7 @@ template <class Values, bool HasProbe> class row_walk {
                 u32 v = word_at(data);
                 data += 2;
                 if (is_pair) {
-                    v = in_word_order(v << 16 | word_at(data));
+                    v = in_word_order(step, v << 16 | word_at(data));
                     data += 2;
                 }
                 if (is_store(step)) {
@@ -133,8 +141,10 @@ template <class Values, bool HasProbe> class row_walk {
         }
     }
 
-    static constexpr u32 in_word_order(u32 v) {
-        return Values::device::facts.word_order == word_order::low_first ? v << 16 | v >> 16 : v;
+    static constexpr u32 in_word_order([[maybe_unused]] u32 step, u32 v) {
+        bool is_low_first = Values::device::facts.word_order == word_order::low_first;
+        if constexpr (can_switch_order) is_low_first = (step & low_first_flag) != 0;
+        return is_low_first ? v << 16 | v >> 16 : v;
     }
     static constexpr void store(Values& values, bool is_pair, unsigned slot, u32 v) {
         if (is_pair) {
