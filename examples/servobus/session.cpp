@@ -17,6 +17,13 @@ std::optional<target> parse_target(std::string_view text) {
     if (colon == text.npos) return t;
     const servobus::profile& facts = t.facts();
     const std::optional<std::int64_t> node = parse_integer(text.substr(colon + 1));
+    const bool is_peer =
+        node && (*node == servobus::modbus::broadcast || *node == servobus::modbus::peer_address);
+    if (t.kind == nullptr && is_peer) {
+        t.node = servobus::modbus::peer_address;
+        t.peer_unit = static_cast<std::uint8_t>(*node);
+        return t;
+    }
     if (!node || *node < facts.lowest_address || *node > facts.highest_address) {
         complain(usage, "'" + std::string{text.substr(colon + 1)} + "' is no node address of " + facts.name +
                             ": " + std::to_string(facts.lowest_address) + " to " +
@@ -25,6 +32,15 @@ std::optional<target> parse_target(std::string_view text) {
     }
     t.node = static_cast<std::uint8_t>(*node);
     return t;
+}
+
+int refuse_peer(const target& of) {
+    const std::string unit = std::to_string(of.peer_unit);
+    return complain(usage, "unit " + unit + " is the device itself on mbap://HOST; on a serial line " + unit +
+                               (of.peer_unit == servobus::modbus::broadcast
+                                    ? " is a broadcast, which no node responds to"
+                                    : " is reserved") +
+                               ": take a node from 1 to 247");
 }
 
 // Modbus Application Protocol V1.1b3, 7.
@@ -71,9 +87,11 @@ std::optional<servobus::character_format> parse_format(std::string_view text) {
 
 int session::check(const arguments& asked, const target& of) {
     if (any_port::is_network(asked.words()[0]) && !leaves_setting_to_gateway(asked)) return usage;
+    if (of.is_peer() && !any_port::is_mbap(asked.words()[0])) return refuse_peer(of);
     const servobus::profile& facts = of.facts();
     settings_ = native::settings_of(facts);
-    node_ = servobus::node<any_device>{of.node};
+    node_ = any_node{of.node};
+    peer_unit_ = of.peer_unit;
     facts_ = &facts;
     kind_ = of.kind;
     word_order_ = facts.word_order;
@@ -127,6 +145,7 @@ int session::open(const char* path) {
     name_ = path;
     if (const int status = port_.open(path, settings_); status != done) return status;
     port_.keep_connected();
+    if (node_.address == servobus::modbus::peer_address) port_.set_peer_unit(peer_unit_);
     if (any_port::is_network(path)) {
         node_.limits.has_gateway = true;
         if (!has_timeout_) node_.limits.response = node_.limits.response + network_delay;

@@ -23,10 +23,19 @@ struct any_device {
                                              .exceptions = servobus::standard_exceptions};
 };
 
+/// A node on a line, or the device at the other end of Modbus TCP.
+struct any_node : servobus::node<any_device> {
+    using node::node;
+    constexpr bool is_valid() const { return node::is_valid() || address == servobus::modbus::peer_address; }
+};
+
 /// DEVICE[:NODE]
 struct target {
     const device* kind = nullptr; ///< null: raw
     std::uint8_t node = 1;
+    std::uint8_t peer_unit = 0; ///< 0 or 255, if `node` is `peer_address`
+
+    bool is_peer() const { return node == servobus::modbus::peer_address; }
 
     const servobus::profile& facts() const { return kind != nullptr ? kind->facts() : any_device::facts; }
 };
@@ -42,6 +51,8 @@ struct chosen {
 
 /// These complain by themselves.
 std::optional<target> parse_target(std::string_view text);
+/// Refuses units 0 and 255 where they are no device: anywhere but on Modbus TCP.
+int refuse_peer(const target& of);
 std::optional<chosen> parse_register(const target& of, std::string_view text);
 /// From the third word on, for a command that reads. Empty if one of them cannot be read.
 std::vector<chosen> parse_readable(const target& of, const arguments& asked);
@@ -76,7 +87,7 @@ std::string why_text(const target& of, servobus::status why, const any_port& por
 class session {
   public:
     using line_type = servobus::line<any_port, servobus::counters, servobus::echoed>;
-    using client_type = servobus::client<line_type, any_device>;
+    using client_type = servobus::client<line_type, any_device, any_node>;
 
     session() = default;
     session(const session&) = delete;
@@ -144,7 +155,8 @@ class session {
     bool is_lost_ = false;
     bool is_said_lost_ = false;
     bool is_said_reopened_ = false;
-    servobus::node<any_device> node_;
+    any_node node_;
+    std::uint8_t peer_unit_ = 0; ///< of a `node_` that is the peer
     std::optional<line_type> line_;
     std::optional<client_type> client_;
 };

@@ -151,6 +151,7 @@ class Gateway:
         self.device, self.scheme = device, scheme
         self.closes_after, self.serves, self.drops = closes_after, serves, drops
         self.connections = 0
+        self.units: list[int] = []  # of the requests on Modbus TCP
         self.server = socket.create_server(("127.0.0.1", port))
         self.number = self.server.getsockname()[1]
         self.name = f"{scheme}://127.0.0.1:{self.number}"
@@ -210,6 +211,7 @@ class Gateway:
                     pdu = self.receive(connection, int.from_bytes(head[4:6], "big") - 1)
                     if not pdu:
                         return
+                    self.units.append(head[6])
                     answer = self.answer(pdu)
                     connection.sendall(head[:4] + (len(answer) + 1).to_bytes(2, "big") + head[6:7] + answer)
                 else:

@@ -105,6 +105,27 @@ def echoed_coil(tool: Tool):
         tool.check("in the device", device.coils[3])
 
 
+@scene("0", "255")
+def peer_itself(tool: Tool, unit: str):
+    """The device at the other end of Modbus TCP, which has no address on a line."""
+    device = filled()
+    with Gateway(device, "mbap", closes_after=3) as port:
+        tool.says(f"unit {unit}: read", f"read {port.name} raw:{unit} coil:12 0x10:f32 input:0x30 0x30:i32 {WAIT}",
+                  "coil:0x000C=on", "0x0010=12.5 (0x41480000)", "input:0x0030=4144 (0x1030)",
+                  "0x0030=-70000 (0xFFFEEE90)")
+        tool.says(f"unit {unit}: write", f"write {port.name} raw:{unit} coil:3=on 0x60=7 --yes {WAIT}",
+                  "coil:0x0003=on", "0x0060=7 (0x0007)")
+        tool.check("in the device", device.coils[3] and device.holding[0x60] == 7)
+        tool.fails(f"unit {unit}: a row that it does not have", f"read {port.name} raw:{unit} 300 {WAIT}", 1,
+                   "300: refused, exception 2 (illegal data address)")
+        tool.run(f"watch {port.name} raw:{unit} coil:12 --count 1 {WAIT}")
+        tool.out_has(f"unit {unit}: watch", "coil:0x000C=on")
+        tool.is_equal("each request has the unit", set(port.units), {int(unit)})
+        port.units.clear()
+        tool.run(f"read {port.name} raw:1 coil:12 {WAIT}")
+        tool.is_equal("a node behind it is another", port.units, [1])
+
+
 @scene()
 def records(tool: Tool):
     device = filled()
@@ -147,6 +168,15 @@ def refused(tool: Tool):
         ("write PORT raw 0:f32=1e39 --yes", "'1e39' is no number of single precision"),
         ("write PORT raw 0:f32=nan --yes", "'nan' is no number of single precision"),
         ("write PORT raw 0:2:f32=1 --yes", "1 values for 2 registers (at most 61)"),
+        ("read PORT raw:0 1", "unit 0 is the device itself on mbap://HOST; on a serial line 0 is a broadcast"),
+        ("read PORT raw:255 1", "unit 255 is the device itself on mbap://HOST; on a serial line 255 is reserved"),
+        ("read tcp://127.0.0.1:9 raw:0 1", "take a node from 1 to 247"),
+        ("write PORT raw:0 1=1 --yes", "which no node responds to"),
+        ("watch PORT raw:255 1", "take a node from 1 to 247"),
+        ("listen PORT raw:0", "take a node from 1 to 247"),
+        ("explain raw:255", "take a node from 1 to 247"),
+        ("read mbap://127.0.0.1:9 raw:248 1", "'248' is no node address of raw: 1 to 247"),
+        ("read mbap://127.0.0.1:9 zlac8015d:0 1", "'0' is no node address of zlac8015d"),
         ("write PORT raw coil:0:3=on,off --yes", "2 values for 3 coils (at most 1968)"),
     ]:
         tool.fails(words, words.replace("PORT", NOWHERE), 2, text)

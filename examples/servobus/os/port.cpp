@@ -15,8 +15,6 @@ namespace {
 
 using servobus::errc;
 
-bool is_mbap(std::string_view name) { return name.starts_with("mbap://"); }
-
 struct endpoint {
     std::string host;
     std::string service;
@@ -103,6 +101,7 @@ void keep(std::vector<std::uint8_t>& kept, servobus::byte_buffer from, std::size
 } // namespace
 
 bool any_port::is_tcp(std::string_view name) { return name.starts_with("tcp://"); }
+bool any_port::is_mbap(std::string_view name) { return name.starts_with("mbap://"); }
 bool any_port::is_network(std::string_view name) { return is_tcp(name) || is_mbap(name); }
 
 bool leaves_setting_to_gateway(const arguments& asked) {
@@ -135,6 +134,11 @@ int any_port::open(const char* name, const serial_settings& settings) {
     }
     auto& port = port_.emplace<native::tcp>();
     return explain_failure(port, name, port.open(host, service));
+}
+
+void any_port::set_peer_unit(std::uint8_t unit) {
+    peer_unit_ = unit;
+    std::get<mbap>(port_).set_peer_unit(unit);
 }
 
 servobus::errc any_port::reconnect() {
@@ -210,8 +214,10 @@ std::string any_port::diagnosis(servobus::status why) const {
         return words;
     }
     if (why != errc::timeout || came().empty() || request_.empty()) return {};
+    const bool is_to_peer = request_[0] == servobus::modbus::peer_address;
     return std::to_string(came().size()) + (came().size() == 1 ? " byte" : " bytes") +
-           " came, none a response of node " + std::to_string(request_[0]);
+           " came, none a response of " +
+           (is_to_peer ? "unit " + std::to_string(peer_unit_) : "node " + std::to_string(request_[0]));
 }
 
 servobus::transfer any_port::send(servobus::bytes out) {

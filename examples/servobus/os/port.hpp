@@ -37,8 +37,14 @@ class any_port {
     /// Of these, true for RTU frames over TCP.
     static bool is_tcp(std::string_view name);
 
+    /// Of these, true for Modbus TCP.
+    static bool is_mbap(std::string_view name);
+
     /// Returns `done`, or the exit status after a complaint: `usage` for a name that is no address.
     int open(const char* name, const serial_settings& settings);
+
+    /// Of an open port of Modbus TCP: the unit of the device at its other end, 0 or 255.
+    void set_peer_unit(std::uint8_t unit);
 
     /// Opens the port of the last `open` again, without a complaint.
     servobus::errc reopen();
@@ -91,6 +97,7 @@ class any_port {
     unsigned connections_ = 0;
     std::vector<std::uint8_t> response_{}; ///< what the line has got since the request began to leave
     bool removes_echo_ = false;
+    std::uint8_t peer_unit_ = servobus::modbus::peer_address;
     std::size_t left_to_send_ = 0; ///< of the request that is leaving
     std::vector<std::uint8_t> request_{};
     std::vector<std::uint8_t> came_{}; ///< since the request began to leave; of Modbus TCP the stream has it

@@ -44,6 +44,10 @@ std::optional<line_devices> line_devices::parse(std::span<const std::string> wor
     for (const std::string& word : words) {
         const std::optional<target> one = parse_target(word);
         if (!one) return std::nullopt;
+        if (one->is_peer()) {
+            refuse_peer(*one);
+            return std::nullopt;
+        }
         if (&word == words.data()) all.first_ = *one;
         all.longest_response_ = longer_of(all.longest_response_, one->facts().limits.response);
         const bool has_node = word.find(':') != word.npos;

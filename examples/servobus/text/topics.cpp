@@ -19,7 +19,9 @@ std::span<const topic> topics() {
         {"DEVICE", "zlac8015d, yako-closed-loop, yako-open-loop or c630s; for read, write, watch, listen "
                    "and explain also raw: any device, without a map."},
         {"NODE", "the address on the line; from the factory 1. If it is not given: 1; for explain and "
-                 "listen, all that are not named."},
+                 "listen, all that are not named. raw:0 and raw:255 are units of Modbus TCP: the device or "
+                 "the gateway "
+                 "itself at the end of mbap://HOST, not a node behind it."},
         {"PORT",
          "a serial device, /dev/ttyUSB0 or COM3; tcp://HOST:PORT, a gateway that carries RTU frames over "
          "TCP; mbap://HOST[:PORT], a gateway of Modbus TCP, or a device that responds as unit 1 to 247, "
