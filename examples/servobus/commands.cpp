@@ -48,7 +48,7 @@ constexpr const option_group* line_only[] = {&of_line};
 constexpr const option_group* line_and_records[] = {&of_line, &of_records};
 
 constexpr option explain_options[] = {
-    {"hex", "", "repeats the frame in front of its explanation, and of several in a line the place of each"}};
+    {"hex", "", "repeats the frame in front of its explanation"}};
 
 constexpr option sim_options[] = {
     {"node", "N", "address (default 1)"},

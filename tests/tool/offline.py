@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: BSL-1.0
 """The commands that need no line: help, map, alarms, explain."""
 import csv
+import itertools
 import re
 import sys
 from pathlib import Path
@@ -141,7 +142,9 @@ def explained_functions(tool: Tool):
     tool.out_is("explain: every function of the standard, and the bytes of what has no words", *words)
     tool.status_is("explain: and status 0", 0)
     tool.run("explain zlac8015d", stdin="".join(frames).replace(" ", "") + "\n")
-    tool.out_is("explain: the same in one line without a gap", *words)
+    ends = list(itertools.accumulate(len(bytes.fromhex(frame)) for frame in frames))
+    tool.out_is("explain: the same in one line without a gap, with the places of the frames",
+                *[f"bytes {begin + 1}..{end}: {text}" for begin, end, text in zip([0] + ends, ends, words)])
     tool.status_is("explain: also status 0", 0)
 
 
@@ -165,12 +168,13 @@ def explained_from_other_programs(tool: Tool):
             "Tx:000003-01 06 20 0E 00 08 E2 0F")
     tool.out_is("explain: a server's log, in which what is received are the requests", READS, ENABLE, ENABLED)
     explain(tool, "01 03 20 AB 00 02 BE 2B 01 03 04 00 64 00 64 BA 07", "FF 00 01 03 20 AB 00 02 BE 2B 00")
-    tool.out_is("explain: a request and a response in one line, noise around a frame", READS, SPEEDS,
+    tool.out_is("explain: a request and a response in one line, noise around a frame", f"bytes 1..8: {READS}",
+                f"bytes 9..17: {SPEEDS}",
                 f"{READS} (noise before it: FF 00) (noise after it: 00)")
     tool.status_is("explain: which are valid", 0)
     explain(tool, "01 03 20 AB 00 02 BE 2B 01 03 04 00 64 00 64 BA 08")
-    tool.out_is("explain: a damaged frame after a valid one", READS,
-                "invalid: no frame in 9 bytes: 01 03 04 00 64 00 64 BA 08")
+    tool.out_is("explain: a damaged frame after a valid one", f"bytes 1..8: {READS}",
+                "bytes 9..17: invalid: no frame in 9 bytes: 01 03 04 00 64 00 64 BA 08")
     tool.status_is("explain: is status 1", 1)
 
 
@@ -198,7 +202,8 @@ def explained_logs(tool: Tool):
     answers = "node 1: response, unknown registers (0x0000..0x0001) = 0x0001 0x0002"
     noisy = ("node 156: response, 2 words 0x00ED 0x18AA (no response to the request before it: frame of another node)"
              " (noise before it: FF 00) (noise after it: 00)")
-    expected = [asks, asks, asks, answers, asks, answers, asks, asks, asks, asks, answers, noisy]
+    expected = [asks, asks, asks, answers, asks, answers, asks, asks, asks, f"bytes 1..8: {asks}",
+                f"bytes 9..17: {answers}", noisy]
     explain(tool, *[f"{line}    # {source}" for line, source in LOGGED], devices="raw")
     tool.out_is("explain: a line of each program, all together", *expected)
     tool.status_is("explain: which are valid", 0)

@@ -4,6 +4,8 @@
 // servobus explain: captured frames in words.
 #include <cstdio>
 #include <iostream>
+#include <string>
+#include <vector>
 
 #include "../text/capture.hpp"
 #include "../text/streams.hpp"
@@ -11,11 +13,14 @@
 namespace tool {
 namespace {
 
-// The frame in front of its explanation, and where it stands among the bytes of its line.
+// Where a frame stands among the bytes of its line.
+std::string place_of(const frame_explainer::explained& e) {
+    return "bytes " + std::to_string(e.offset + 1) + ".." + std::to_string(e.offset + e.frame.frame.size());
+}
+// The frame in front of its explanation, and where it stands.
 std::string repeated(const frame_explainer::explained& e, const captured& line) {
     if (e.frame.frame.size() == line.frame.size()) return line_of(e.frame) + "  ";
-    return line_of(e.frame) + "  (bytes " + std::to_string(e.offset + 1) + ".." +
-           std::to_string(e.offset + e.frame.frame.size()) + ")  ";
+    return line_of(e.frame) + "  (" + place_of(e) + ")  ";
 }
 
 } // namespace
@@ -37,8 +42,13 @@ int explain(const arguments& asked) {
             status = failed;
             continue;
         }
-        for (const frame_explainer::explained& e : explainer.explain_line(*c)) {
-            if (asked.has("hex")) std::printf("%s", repeated(e, *c).c_str());
+        const std::vector<frame_explainer::explained> all = explainer.explain_line(*c);
+        for (const frame_explainer::explained& e : all) {
+            if (asked.has("hex")) {
+                std::printf("%s", repeated(e, *c).c_str());
+            } else if (all.size() > 1) {
+                std::printf("%s: ", place_of(e).c_str());
+            }
             std::printf("%s\n", e.text.c_str());
             if (!e.is_valid) status = failed;
         }

@@ -13,7 +13,9 @@
 #include <utility>
 #include <vector>
 
-#include <servobus/modbus/server.hpp>
+#include <servobus/explain/direction.hpp>
+
+#include "../text/frame_sizes.hpp"
 
 namespace tool {
 
@@ -73,8 +75,8 @@ class frame_cutter {
         if (following == 0 && !is_closed()) {
             if (const std::size_t size = unknown_frame(); size != 0) return take(piece::kind::frame, size);
             // A frame may begin in the last bytes, and in no others.
-            if (bytes_.size() < 2 * servobus::modbus::max_frame) return std::nullopt;
-            return take(piece::kind::bad_crc, bytes_.size() - servobus::modbus::max_frame);
+            if (bytes_.size() < 2 * max_frame) return std::nullopt;
+            return take(piece::kind::bad_crc, bytes_.size() - max_frame);
         }
         return cut(following != 0 ? following : burst().size());
     }
@@ -97,52 +99,41 @@ class frame_cutter {
         return is_closed() ? all.first(closed_) : all;
     }
 
-    static bool is_known(std::uint8_t code) {
-        return servobus::modbus::is_read(code) || servobus::modbus::is_write(code);
-    }
-    static bool has_right_crc(servobus::bytes frame) {
-        return frame.size() >= servobus::modbus::min_frame && servobus::modbus::crc16(frame) == 0;
-    }
-
     static reading of_size(servobus::bytes from, std::size_t size) {
         using enum reading::state;
         if (from.size() < size) return {incomplete, size};
-        return {has_right_crc(from.first(size)) ? whole : bad_crc, size};
+        return {is_whole(from, size) ? whole : bad_crc, size};
     }
 
     static reading as_request(servobus::bytes from) {
         using enum reading::state;
         if (from.size() < 2) return {incomplete};
-        if (!is_known(from[1])) return {};
-        const std::size_t size = servobus::modbus::request_length(from);
+        const bool is_exception = (from[1] & servobus::modbus::exception_flag) != 0;
+        if (is_exception || !has_length(from) || !may_be_request(from)) return {};
+        const std::size_t size = request_size(from);
         if (size == 0) return {incomplete};
-        const bool has_values = from[1] == 0x10;
-        if (has_values && (from[6] == 0 || from[6] != 2u * servobus::load_word(from, 4))) return {};
-        return size > servobus::modbus::max_frame ? reading{} : of_size(from, size);
+        return size > max_frame ? reading{} : of_size(from, size);
     }
 
     static reading as_response(servobus::bytes from) {
         using enum reading::state;
         if (from[0] == servobus::modbus::broadcast) return {};
         if (from.size() < 2) return {incomplete};
-        if (!servobus::modbus::is_read(from[1])) {
-            const bool is_exception = (from[1] & servobus::modbus::exception_flag) != 0;
-            if (!is_exception && !is_known(from[1])) return {};
-            return of_size(from, servobus::modbus::response_length(from[1], 0));
-        }
-        if (from.size() < 3) return {incomplete};
-        const std::uint8_t count = from[2];
-        if (count == 0 || count % 2 != 0 || count > 2 * servobus::modbus::max_read) return {};
-        return of_size(from, servobus::modbus::response_length(from[1], count));
+        const bool is_exception = (from[1] & servobus::modbus::exception_flag) != 0;
+        if (!is_exception && !(has_length(from) && may_be_response(from))) return {};
+        return from.size() < 3 ? reading{incomplete} : of_size(from, response_size(from));
     }
 
     bool is_expected(servobus::bytes response) const {
-        if (expected_.size() < servobus::modbus::min_frame || response.size() < 3) return false;
+        if (expected_.size() < min_frame || response.size() < 3) return false;
         if (response[0] != expected_[0]) return false;
         if (response[1] == (expected_[1] | servobus::modbus::exception_flag)) return true;
         if (response[1] != expected_[1]) return false;
-        if (!servobus::modbus::is_read(response[1])) return true;
-        return expected_.size() == 8 && response[2] == 2u * servobus::load_word(expected_, 4);
+        const bool is_bits = response[1] == 0x01 || response[1] == 0x02;
+        if (!is_bits && !servobus::modbus::is_read(response[1]) && response[1] != 0x17) return true;
+        if (expected_.size() < 8) return false;
+        const unsigned quantity = servobus::load_word(expected_, 4);
+        return response[2] == (is_bits ? (quantity + 7) / 8 : 2 * quantity);
     }
 
     // The frame that begins with the first of these bytes.
@@ -176,26 +167,25 @@ class frame_cutter {
     // well-formed counts, since by chance one place in 65536 has a right CRC.
     std::size_t find_next() const {
         using enum reading::state;
-        for (std::size_t at = 1; at + servobus::modbus::min_frame <= burst().size(); ++at) {
+        for (std::size_t at = 1; at + min_frame <= burst().size(); ++at) {
             const servobus::bytes from = burst().subspan(at);
-            if (!is_known(from[1] & 0x7Fu)) continue;
+            if (!has_length(from)) continue;
             const reading request = as_request(from);
-            if (request.is == whole && servobus::modbus::parse_request(pdu(from, request.size))) return at;
+            if (request.is == whole && servobus::is_request(pdu_of(from, request.size))) return at;
             const reading response = as_response(from);
-            if (response.is == whole && servobus::modbus::parse_response(pdu(from, response.size))) return at;
+            if (response.is == whole && servobus::is_response(pdu_of(from, response.size))) return at;
         }
         return 0;
     }
-    static servobus::bytes pdu(servobus::bytes from, std::size_t size) { return from.subspan(1, size - 3); }
 
     // What the first `size` bytes are, which a gap or a frame follows, and with which no frame of a known length
     // begins.
     piece cut(std::size_t size) {
         const servobus::bytes from = burst().first(size);
-        if (size < servobus::modbus::min_frame)
-            return take(size > 1 && is_known(from[1]) ? piece::kind::incomplete : piece::kind::noise, size);
-        if (size <= servobus::modbus::max_frame && has_right_crc(from)) return take(piece::kind::frame, size);
-        if (!is_known(from[1] & 0x7Fu)) return cut_unknown(from);
+        if (size < min_frame)
+            return take(size > 1 && has_length(from) ? piece::kind::incomplete : piece::kind::noise, size);
+        if (is_whole(from, size)) return take(piece::kind::frame, size);
+        if (!has_length(from)) return cut_unknown(from);
         const std::size_t wanted = likely_size(from);
         if (size < wanted) return take(piece::kind::incomplete, size);
         return take(piece::kind::bad_crc, wanted);
@@ -203,9 +193,9 @@ class frame_cutter {
 
     // Of an unknown function only the CRC tells where it ends.
     piece cut_unknown(servobus::bytes from) {
-        for (std::size_t size = servobus::modbus::min_frame; size <= from.size(); ++size) {
-            if (size > servobus::modbus::max_frame) break;
-            if (has_right_crc(from.first(size))) return take(piece::kind::frame, size);
+        for (std::size_t size = min_frame; size <= from.size(); ++size) {
+            if (size > max_frame) break;
+            if (is_whole(from, size)) return take(piece::kind::frame, size);
         }
         return take(piece::kind::bad_crc, from.size());
     }
@@ -214,11 +204,11 @@ class frame_cutter {
     // right, and after it comes a frame to or from the same node, or more than any frame has.
     std::size_t unknown_frame() const {
         const servobus::bytes all = bytes_;
-        if (all.size() < 2 || is_known(all[1] & 0x7Fu)) return 0;
-        const bool is_long = all.size() > servobus::modbus::max_frame + 1;
-        for (std::size_t size = servobus::modbus::min_frame; size + 1 < all.size(); ++size) {
-            if (size > servobus::modbus::max_frame) break;
-            if ((is_long || all[size] == all[0]) && has_right_crc(all.first(size))) return size;
+        if (all.size() < 2 || has_length(all)) return 0;
+        const bool is_long = all.size() > max_frame + 1;
+        for (std::size_t size = min_frame; size + 1 < all.size(); ++size) {
+            if (size > max_frame) break;
+            if ((is_long || all[size] == all[0]) && is_whole(all, size)) return size;
         }
         return 0;
     }
