@@ -47,8 +47,7 @@ constexpr option_group of_records{"Records for programs", "One from read, one a 
 constexpr const option_group* line_only[] = {&of_line};
 constexpr const option_group* line_and_records[] = {&of_line, &of_records};
 
-constexpr option explain_options[] = {
-    {"hex", "", "repeats the frame in front of its explanation"}};
+constexpr option explain_options[] = {{"hex", "", "repeats the frame in front of its explanation"}};
 
 constexpr option sim_options[] = {
     {"node", "N", "address (default 1)"},
@@ -78,6 +77,11 @@ constexpr option scan_options[] = {
      "product, "
      "revision and more"},
     {"timeout", "MS", "how long a response may take to begin (default 50)"},
+    {"gap", "MS", "the pause before each request, if a device needs one longer than 3.5 characters"},
+    {"quarantine", "MS",
+     "the pause after a request without exactly one valid response, in which a late response is dropped; by "
+     "default none: the next request goes to another address"},
+    {"inter-byte", "MS", "the longest pause inside a response (default 20; 200 over a network)"},
     {"echo", "on|off", "on: the adapter receives what it sends, and what it receives is compared"},
 };
 

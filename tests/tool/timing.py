@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: BSL-1.0
 """Options of the line: how long responses are awaited, what is quiet between them, and how a frame may pause."""
 import sys
+import time
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
@@ -68,9 +69,51 @@ def pause_in_a_response(tool: Tool):
 
 
 @scene()
+def scanned(tool: Tool):
+    """The same options of a scan."""
+    device = numbered()
+    device.server_id = b"pump"
+    with on_terminal(device) as port:
+
+        def pauses(options: str) -> list[float]:
+            """Seconds between the requests to the one device that there is."""
+            device.began.clear()
+            tool.run(f"scan {port} --nodes 1-2 --timeout 1000 {options}")
+            return [later - earlier for earlier, later in zip(device.began, device.began[1:])]
+
+        tool.check("scan: without an option there is no pause", min(pauses("")) < 0.19)
+        tool.out_is("scan: and the device is found", "- - 1 unknown device")
+        tool.check("scan --gap: the pause before each request", min(pauses("--gap 200 --identify")) > 0.19)
+        tool.out_is("scan --gap: the device is found", '- - 1 unknown device: server ID "pump"')
+        device.delays = [0.05]
+        device.began.clear()
+        tool.run(f"scan {port} --nodes 1-1 --timeout 10")
+        tool.is_equal("scan: a late device is not waited for", tool.last.status, 1)
+        device.pause = 0.15
+        tool.run(f"scan {port} --nodes 1 --timeout 1000")
+        tool.out_is("scan: a response that pauses is garbled", "- - 1 garbled")
+        tool.run(f"scan {port} --nodes 1 --timeout 1000 --inter-byte 800")
+        tool.out_is("scan --inter-byte: it is whole", "- - 1 unknown device")
+
+
+@scene(("", 0.0, 0.4), ("--quarantine 500", 0.45, 9.0))
+def scan_after_no_response(tool: Tool, options: str, shortest: float, longest: float):
+    """Node 1 does not respond, node 2 does."""
+    device = numbered()
+    with on_terminal(device, node=2) as port:
+        began = time.monotonic()
+        tool.run(f"scan {port} --nodes 1-2 --timeout 300 {options}")
+        pause = device.began[0] - began - 0.3
+        tool.check(f"scan {options}: the pause after no response", shortest <= pause <= longest, pause)
+        tool.out_is("and node 2 is found", "- - 2 unknown device")
+
+
+@scene()
 def refused(tool: Tool):
     for option in ("gap", "quarantine", "inter-byte"):
         tool.fails(f"--{option} takes milliseconds", f"read {NOWHERE} raw 1 --{option} soon", 2,
+                   f"--{option} takes a whole number from 0 to")
+        tool.fails(f"scan --{option} too", f"scan {NOWHERE} --{option} soon", 2,
                    f"--{option} takes a whole number from 0 to")
     tool.fails("listen --inter-byte too", f"listen {NOWHERE} raw --inter-byte -1", 2, "--inter-byte takes a whole number")
 

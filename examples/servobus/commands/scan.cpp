@@ -47,9 +47,23 @@ constexpr identity identities[] = {
     {"c630s", servobus::c630s::node_address.address},
 };
 
-const char* name_of(scanned_line& on, std::uint8_t node_address, const servobus::response_limits& limits) {
+struct plan {
+    std::vector<std::uint32_t> rates;
+    std::vector<std::string> formats;
+    std::uint8_t first = 1;
+    std::uint8_t last = 247;
+    servobus::response_limits limits{};
+    servobus::bus_gaps gaps{}; ///< without an option none
+    bool has_quarantine = false;
+    std::optional<servobus::duration> longest_pause{};
+    bool echoes = false;
+    bool identifies = false;
+    bool has_setting = true; ///< false: a gateway has it, or the port has no wire
+};
+
+const char* name_of(scanned_line& on, std::uint8_t node_address, const plan& p) {
     for (const identity& known : identities) {
-        const finding f = look_for(on, node_address, limits, known.address);
+        const finding f = look_for(on, node_address, p.limits, known.address, p.gaps);
         if (f.has_word && f.word == node_address) return known.name;
     }
     return "unknown device";
@@ -72,11 +86,12 @@ std::string quoted(servobus::bytes text) {
     return all + "\"";
 }
 // Asks a device what it is, by function 2Bh, then by 11h.
-std::string identification_of(scanned_line& on, std::uint8_t node_address,
-                              const servobus::response_limits& limits) {
+std::string identification_of(scanned_line& on, std::uint8_t node_address, const plan& p) {
     namespace modbus = servobus::modbus;
     servobus::client device{on, servobus::node<any_device>{node_address}};
-    device.node().limits = limits;
+    device.node().limits = p.limits;
+    device.node().gaps.gap = p.gaps.gap;
+    if (p.has_quarantine) device.node().gaps.quarantine = p.gaps.quarantine;
     device.node().read_retries = 1;
     std::string said;
     const auto add = [&said](const modbus::identification_object& object) {
@@ -101,17 +116,6 @@ std::string identification_of(scanned_line& on, std::uint8_t node_address,
     const auto id = modbus::parse_server_id(*response);
     return id ? "server ID " + quoted(*id) : "no identification";
 }
-
-struct plan {
-    std::vector<std::uint32_t> rates;
-    std::vector<std::string> formats;
-    std::uint8_t first = 1;
-    std::uint8_t last = 247;
-    servobus::response_limits limits{};
-    bool echoes = false;
-    bool identifies = false;
-    bool has_setting = true; ///< false: a gateway has it, or the port has no wire
-};
 
 std::optional<plan> plan_of(const arguments& asked) {
     plan p;
@@ -147,7 +151,13 @@ std::optional<plan> plan_of(const arguments& asked) {
     }
     const auto timeout = asked.number("timeout", 1, 60'000, 50);
     const auto echoes = asked.on_or_off("echo");
-    if (!timeout || !echoes) return std::nullopt;
+    const auto gap = asked.number("gap", 0, 60'000, 0);
+    const auto quarantine = asked.number("quarantine", 0, 60'000, 0);
+    if (!timeout || !echoes || !gap || !quarantine || !parse_longest_pause(asked, p.longest_pause))
+        return std::nullopt;
+    p.gaps = {.gap = servobus::milliseconds(static_cast<std::uint32_t>(*gap)),
+              .quarantine = servobus::milliseconds(static_cast<std::uint32_t>(*quarantine))};
+    p.has_quarantine = asked.has("quarantine");
     p.limits.response = servobus::milliseconds(static_cast<std::uint32_t>(*timeout));
     p.echoes = *echoes;
     p.identifies = asked.has("identify");
@@ -171,14 +181,14 @@ int scan_at(const char* path, std::uint32_t baud, const std::string& format, pla
         p.has_setting = false;
     }
     const std::string setting = p.has_setting ? std::to_string(baud) + " " + format : "- -";
-    scanned_line on{port, timing_on(path, baud)};
+    scanned_line on{port, timing_on(path, baud, p.longest_pause)};
     on.echo().is_on = p.echoes;
     progress shown{setting, static_cast<std::size_t>(p.last - p.first) + 1};
     for (unsigned node_address = p.first; node_address <= p.last; ++node_address) {
         if (interrupts::came())
             return complain(failed, setting + ": interrupted at node " + std::to_string(node_address));
         const auto node = static_cast<std::uint8_t>(node_address);
-        const finding f = look_for(on, node, p.limits);
+        const finding f = look_for(on, node, p.limits, 0, p.gaps);
         if (f.what == presence::failed) {
             shown.end();
             return complain(failed, setting + " node " + std::to_string(node_address) + ": " +
@@ -186,8 +196,8 @@ int scan_at(const char* path, std::uint32_t baud, const std::string& format, pla
         }
         if (f.what != presence::no_response) {
             const bool is_garbled = f.what == presence::garbled;
-            std::string who = is_garbled ? "garbled" : name_of(on, node, p.limits);
-            if (p.identifies && !is_garbled) who += ": " + identification_of(on, node, p.limits);
+            std::string who = is_garbled ? "garbled" : name_of(on, node, p);
+            if (p.identifies && !is_garbled) who += ": " + identification_of(on, node, p);
             shown.end();
             std::printf("%s %u %s\n", setting.c_str(), node_address, who.c_str());
             if (!streams::flush()) return failed;

@@ -36,17 +36,18 @@ struct finding {
 
 /// Reads the register at `address` of the node at `node_address`, a second time if what comes is no valid
 /// response. Blocking; returns within twice `line::bound` for a read of one register. After no response it
-/// does not wait for a quarantine: the next request goes to another node, which ignores a late response.
+/// does not wait for a quarantine: the next request goes to another node, which ignores a late response. With
+/// `gaps` it waits for them before each read.
 template <class Line>
 constexpr finding look_for(Line& on, std::uint8_t node_address, const response_limits& limits,
-                           std::uint16_t address = 0) {
+                           std::uint16_t address = 0, const bus_gaps& gaps = {}) {
     const modbus::frame<8> request = modbus::read_frame<typename Line::crc>(node_address, address, 1);
     std::array<std::uint8_t, 7> response{};
     typename Line::exchange x;
     request_machine call = request_machine::look();
     do {
         x = typename Line::exchange{request, response, on.timing(), limits};
-        on.run(x, {});
+        on.run(x, gaps);
     } while (call.looks_again(x.status(), x.has_received()));
     const status why = x.status();
     if (why.error() == errc::ok) return {presence::present, true, x.words()[0], {}};

@@ -53,6 +53,20 @@ TEST_CASE("G27: without a response the finding has no word but the reason, after
     CHECK(none.what == presence::no_response);
 }
 
+TEST_CASE("G27: the next look waits for the gaps that are given, and for no quarantine without them") {
+    const auto pause_after_no_response = [](const bus_gaps& gaps) {
+        rig r;
+        (void)look_for(r.on, 1, r.limits, 0, gaps);
+        (void)look_for(r.on, 2, r.limits, 0, gaps);
+        REQUIRE(r.port.frames.size() == 2);
+        return r.port.frames[1].begin - r.port.frames[0].end;
+    };
+    const auto without = pause_after_no_response({});
+    CHECK(without < 50'000);
+    CHECK(pause_after_no_response({.quarantine = milliseconds(100)}) >= 120'000);
+    CHECK(pause_after_no_response({.gap = milliseconds(50)}) >= 50'000);
+}
+
 TEST_CASE("G27: a drive that is present responds with a word, or with an exception, which has none") {
     rig r;
     r.port.device = [](scripted_port& p, const sent_frame&) { p.say(500, good); };
