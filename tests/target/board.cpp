@@ -8,20 +8,13 @@
 // bench/peers/recorded.tsv has figures of other programs on this board, which a change of it makes stale.
 #include "board.hpp"
 
-#include <cstddef>
-
 #include "drive.hpp"
+#include "machine.hpp"
 
 int main();
 
 extern "C" {
-extern std::uint32_t stack_end[], drive_stack_end[];
-extern std::uint32_t data_image[], data_begin[], data_end[], bss_begin[], bss_end[];
-extern void (*const constructors_begin[])();
-extern void (*const constructors_end[])();
-[[noreturn]] void reset();
-void measured_job_begins();
-void measured_job_ends();
+extern std::uint32_t drive_stack_end[];
 }
 
 namespace {
@@ -36,43 +29,6 @@ const std::uint8_t* echo = nullptr;
 const std::uint8_t* echo_end = nullptr;
 std::uint32_t time_us = 0;
 std::uint32_t looks = 0;
-
-[[noreturn]] void fault() {
-    for (;;) {}
-}
-
-void call_host(std::uint32_t what, const void* with) {
-    __asm__ volatile("mov r0, %0\n\tmov r1, %1\n\tbkpt 0xAB" : : "r"(what), "r"(with) : "r0", "r1", "memory");
-}
-
-[[noreturn]] void leave(std::uint32_t status) {
-    const std::uint32_t block[]{0x20026, status};
-    call_host(0x20, block);
-    for (;;) {}
-}
-
-// Without a division: a Cortex-M0+ needs a function for it, and the library must not need that function.
-void print(std::uint32_t number) {
-    char digits[6];
-    for (std::size_t i = 0; i < 4; ++i) digits[i] = '0';
-    digits[4] = '\n';
-    digits[5] = '\0';
-    std::uint32_t place = 1000;
-    for (std::size_t i = 0; i < 4; ++i, place = place == 1000 ? 100 : place == 100 ? 10 : 1) {
-        for (; number >= place; number -= place) ++digits[i];
-    }
-    call_host(0x04, digits);
-}
-
-using handler = void (*)();
-struct vector_table {
-    std::uint32_t* stack;
-    handler first[15];
-};
-[[gnu::section(".vectors"), gnu::used]] constinit const vector_table vectors{
-    stack_end,
-    {reset, fault, fault, fault, fault, fault, fault, fault, fault, fault, fault, fault, fault, fault,
-     fault}};
 
 } // namespace
 
@@ -108,32 +64,20 @@ void simulated_drive_takes(const std::uint8_t* data, std::uint32_t size) {
 // Between two readings on an idle line t3.5 has passed, so each wait takes one reading.
 [[gnu::noinline]] std::uint32_t clock_us() { return time_us += response.begin == response.end ? 2000u : 50u; }
 
-[[gnu::noinline]] void measured_job_begins() { __asm__ volatile(""); }
-[[gnu::noinline]] void measured_job_ends() { __asm__ volatile(""); }
-
 [[noreturn]] void reset() {
-    const std::uint32_t* from = data_image;
-    for (std::uint32_t* to = data_begin; to != data_end; ++to, ++from) *to = *from;
-    for (std::uint32_t* to = bss_begin; to != bss_end; ++to) *to = 0;
-    for (const handler* f = constructors_begin; f != constructors_end; ++f) (*f)();
+    prepare_memory();
     // Links them into every program, also into the one without the library.
     simulated_drive::set_fault(0);
     (void)(simulated_drive::has_run() || simulated_drive::has_done_all(0, 0));
     bool is_done = job();
 
-    constexpr std::uint32_t untouched = 0xDEAD'BEEF;
-    constexpr std::size_t deepest = 512;
-    volatile std::uint32_t* top = nullptr; // the stack of the job begins below
-    __asm__ volatile("mov %0, sp" : "=r"(top));
-    for (std::size_t i = 1; i <= deepest; ++i) *(top - i) = untouched;
+    const painted_stack stack;
     const std::uint32_t before = simulated_drive::answered();
     measured_job_begins();
     is_done = job() && is_done;
     measured_job_ends();
     const std::uint32_t requests = simulated_drive::answered() - before;
-    std::size_t used = deepest;
-    while (used != 0 && *(top - used) == untouched) --used;
-    print(static_cast<std::uint32_t>(used * sizeof *top));
+    print(stack.used());
     print(requests);
     leave(is_done ? 0 : 1);
 }

@@ -10,15 +10,7 @@
 #include <cstddef>
 #include <cstdint>
 
-extern "C" {
-extern std::uint32_t stack_end[];
-extern std::uint32_t data_image[], data_begin[], data_end[], bss_begin[], bss_end[];
-extern void (*const constructors_begin[])();
-extern void (*const constructors_end[])();
-[[noreturn]] void reset();
-void measured_job_begins();
-void measured_job_ends();
-}
+#include "machine.hpp"
 
 namespace {
 
@@ -63,40 +55,6 @@ std::size_t taken = 0, given = 0;
 bool is_wrong = false;
 std::uint32_t time_us = 0;
 
-[[noreturn]] void fault() {
-    for (;;) {}
-}
-void call_host(std::uint32_t what, const void* with) {
-    __asm__ volatile("mov r0, %0\n\tmov r1, %1\n\tbkpt 0xAB" : : "r"(what), "r"(with) : "r0", "r1", "memory");
-}
-[[noreturn]] void leave(std::uint32_t status) {
-    const std::uint32_t block[]{0x20026, status};
-    call_host(0x20, block);
-    for (;;) {}
-}
-// Without a division, as in board.cpp.
-void print(std::uint32_t number) {
-    char digits[6];
-    for (std::size_t i = 0; i < 4; ++i) digits[i] = '0';
-    digits[4] = '\n';
-    digits[5] = '\0';
-    std::uint32_t place = 1000;
-    for (std::size_t i = 0; i < 4; ++i, place = place == 1000 ? 100 : place == 100 ? 10 : 1) {
-        for (; number >= place; number -= place) ++digits[i];
-    }
-    call_host(0x04, digits);
-}
-
-using handler = void (*)();
-struct vector_table {
-    std::uint32_t* stack;
-    handler first[15];
-};
-[[gnu::section(".vectors"), gnu::used]] constinit const vector_table vectors{
-    stack_end,
-    {reset, fault, fault, fault, fault, fault, fault, fault, fault, fault, fault, fault, fault, fault,
-     fault}};
-
 } // namespace
 
 extern "C" {
@@ -114,9 +72,6 @@ extern "C" {
 // After the last byte of a request each reading is later than t3.5.
 [[gnu::noinline]] std::uint32_t clock_us() { return time_us += taken == now->request.size ? 2000u : 50u; }
 
-[[gnu::noinline]] void measured_job_begins() { __asm__ volatile(""); }
-[[gnu::noinline]] void measured_job_ends() { __asm__ volatile(""); }
-
 // From the first byte of a request until the response has left and a gap after it has ended.
 [[gnu::always_inline]] inline void serve_one(const exchange* next) {
     now = next;
@@ -130,23 +85,14 @@ extern "C" {
 }
 
 [[noreturn]] void reset() {
-    const std::uint32_t* from = data_image;
-    for (std::uint32_t* to = data_begin; to != data_end; ++to, ++from) *to = *from;
-    for (std::uint32_t* to = bss_begin; to != bss_end; ++to) *to = 0;
-    for (const handler* f = constructors_begin; f != constructors_end; ++f) (*f)();
+    prepare_memory();
     board_serves(&exchanges[1]); // so that the first response of the list is right
     board_serves(&exchanges[2]);
     board_serves_all();
 
-    constexpr std::uint32_t untouched = 0xDEAD'BEEF;
-    constexpr std::size_t deepest = 512;
-    volatile std::uint32_t* top = nullptr; // the stack of the requests begins below
-    __asm__ volatile("mov %0, sp" : "=r"(top));
-    for (std::size_t i = 1; i <= deepest; ++i) *(top - i) = untouched;
+    const painted_stack stack;
     board_serves_all();
-    std::size_t used = deepest;
-    while (used != 0 && *(top - used) == untouched) --used;
-    print(static_cast<std::uint32_t>(used * sizeof *top));
+    print(stack.used());
     measured_job_begins();
     board_serves(&exchanges[0]);
     measured_job_ends();
