@@ -279,6 +279,8 @@ class model {
         }
         return errc::ok;
     }
+    /// A motion was replaced that may have started: where the winch goes is not known any more.
+    constexpr void preempt(const prepared_command&) { has_goal_ = false; }
     constexpr errc confirm(const prepared_command&, const std::uint16_t* w, duration since_start,
                            const settings&) const {
         switch (arrival_of(w, since_start).how) {

@@ -39,6 +39,7 @@ struct subject {
     static bool is_energised(const machine& m) { return m.is_energised(); }
     static bool is_turning(const machine& m) { return m.is_turning(); }
     static std::int64_t place(const machine& m) { return m.place(); }
+    static std::uint32_t starts(const machine& m) { return m.starts(); }
 
     // What may happen to it
     static void restart(machine& m) { m.power_cycle(); }
@@ -56,6 +57,7 @@ struct subject {
         using namespace servobus;
         each("turn", enable{}, turn{60 * r_per_min}, sim::turns());
         each("move_to", enable{}, move_to{4000 * pulse}, sim::moves_to(4000));
+        each("move_to, back", enable{}, move_to{-2000 * pulse}, sim::moves_to(-2000));
     }
 };
 

@@ -59,6 +59,7 @@ class model {
     static constexpr errc confirm(const command&, const std::uint16_t*, duration, const settings&) {
         return errc::ok;
     }
+    static constexpr void preempt(const command&) {}
     constexpr errc learn(const command& c, slice<const std::uint16_t>, settings& known) {
         ++done;
         if (c.kind == command_kind::take_over || c.makes_known) known = {drive_state::enabled, c.witness};

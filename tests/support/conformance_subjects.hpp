@@ -56,6 +56,7 @@ template <class Readings = default_reading<sim::zlac8015d_options>> struct wheel
         return turns(m.left().speed) || turns(m.right().speed);
     }
     static std::int64_t place(const machine& m) { return m.left().position; }
+    static std::uint32_t starts(const machine& m) { return m.starts(); }
     static void restart(machine& m) { m.power_cycle(); }
     static void have_fault(machine& m) { m.raise(zlac8015d::fault::overcurrent, zlac8015d::fault::none); }
     static void end_fault(machine& m) { m.end_faults(); }
@@ -108,6 +109,7 @@ struct axis {
     static bool is_energised(const machine& m) { return m.enabled(); }
     static bool is_turning(const machine& m) { return m.view().is_moving; }
     static std::int64_t place(const machine& m) { return m.view().shaft; }
+    static std::uint32_t starts(const machine& m) { return m.starts(); }
     static void restart(machine& m) { m.power_cycle(); }
     static void have_fault(machine& m) { m.raise_alarm(1); }
     static void end_fault(machine& m) { m.end_alarm(); }
@@ -155,6 +157,7 @@ template <class Readings = default_reading<sim::c630s_options>> struct servo {
     static bool is_turning(const machine& m) { return !m.stands_still(); }
     /// In reference units, by the factory's gear: 10000 a turn of 2^17 counts.
     static std::int64_t place(const machine& m) { return m.position() * 10'000 / 131'072; }
+    static std::uint32_t starts(const machine& m) { return m.starts(); }
     static void restart(machine& m) { m.power_cycle(); }
     static void have_fault(machine& m) { m.raise(0x620, true); }
     static void end_fault(machine& m) { m.end_causes(); }

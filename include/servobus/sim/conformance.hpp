@@ -48,6 +48,7 @@ concept conformance_subject = requires(typename S::machine& m, const typename S:
     { S::is_energised(seen) } -> std::same_as<bool>;
     { S::is_turning(seen) } -> std::same_as<bool>;
     { S::place(seen) } -> std::convertible_to<std::int64_t>;
+    { S::starts(seen) } -> std::convertible_to<std::uint32_t>; // moves that it has begun
     S::restart(m);
     S::have_fault(m);
     S::end_fault(m);
@@ -122,6 +123,7 @@ template <class Subject> class conformance {
         reset_fault,
         wait_for_standstill,
         wait_for_target,
+        move_again,
         read_it,
         first_own
     };
@@ -148,14 +150,28 @@ template <class Subject> class conformance {
         return is_done;
     }
 
+    // A move that may follow the first one: the same by a way, or the next to a place.
+    template <class Use> static void with_second_move(const Use& use) {
+        unsigned moves = 0;
+        bool is_done = false;
+        visit_own([&](const char* name, const auto& enabled_by, const auto& wanted, const expected& does) {
+            if (is_done || !does.is_move()) return;
+            if (++moves == 1 && does.what == expected::kind::moves_to) return;
+            is_done = true;
+            use(name, enabled_by, wanted, does);
+        });
+    }
+
     // --- One run
 
     unsigned play(unsigned which, unsigned reading, planned_mishap first, planned_mishap second) {
         trial_type t{reading};
         now_ = {.command = "", .reading = reading, .first = first, .second = second};
         trial_ = &t;
+        reported_ = nullptr;
         ++played_.runs;
         goal_known_ = false;
+        if (which == first_own && first.what == mishap::none) judge_unknown(t);
         if (!Subject::take_over(t.drive(), t.machine())) {
             broken("kit", "the drive cannot be taken over on an undisturbed line");
             return 0;
@@ -204,6 +220,14 @@ template <class Subject> class conformance {
             move(t);
             play(t, "wait_reached", wait_reached{milliseconds(10'000)});
             break;
+        case move_again:
+            move(t);
+            must(t.run(wait_reached{}));
+            with_second_move([&](const char*, const auto&, const auto& wanted, const expected& does) {
+                does_ = does;
+                play(t, "a second move", wanted);
+            });
+            break;
         case read_it:
             must(t.run(enable{}));
             play(t, "read_feedback", read_feedback{});
@@ -228,6 +252,28 @@ template <class Subject> class conformance {
             does_ = does;
             play(t, name, wanted);
         });
+    }
+    // Nothing is known of the drive: each command but `init` and stops is refused, and nothing is sent.
+    void judge_unknown(trial_type& t) {
+        const auto refuses = [&](const char* name, const auto& wanted) {
+            now_.command = name;
+            t.watch();
+            const errc refused = t.drive().begin(wanted);
+            if (refused != errc::ok) return;
+            broken("G21", "a command is accepted although nothing is known of the drive");
+            (void)t.finish();
+        };
+        refuses("enable", enable{});
+        refuses("fault_reset", fault_reset{});
+        refuses("wait_standstill", wait_standstill{});
+        refuses("wait_reached", wait_reached{});
+        refuses("read_feedback", read_feedback{});
+        visit_own([&](const char* name, const auto& enabled_by, const auto& wanted, const expected&) {
+            refuses(name, wanted);
+            if constexpr (!std::is_same_v<std::remove_cvref_t<decltype(enabled_by)>, disable>)
+                refuses("enabling", enabled_by);
+        });
+        if (t.requests() != 0) broken("G21", "a refused command has sent something");
     }
     void must(const routine_status& r) {
         if (!r) broken("kit", "a command that leads to the start of a run fails on an undisturbed line");
@@ -260,7 +306,7 @@ template <class Subject> class conformance {
         does_ = {};
         t.watch(now_.first, now_.second);
         was_enabled_ = t.drive().state() == drive_state::enabled;
-        if (does.is_move()) { goal_ = does.goal_from(t.place()); }
+        const std::int64_t goal = does.goal_from(t.place());
         const errc refused = t.drive().begin(wanted);
         if (refused != errc::ok) {
             broken("kit", "a command is refused in the state in which it is to be played");
@@ -283,7 +329,10 @@ template <class Subject> class conformance {
             t.has_happened(mishap::fault) || t.has_restarted() || t.has_happened(mishap::program_stalls);
         if (r.outcome() == outcome::not_sent && !is_replaced && !is_followed && t.writes() != 0 && !is_stop)
             broken("G16", "the command ends as not sent, but a request that writes has left");
-        if (does.is_move() && (t.writes() != 0 || r)) goal_known_ = true;
+        if (does.is_move() && t.has_started()) {
+            goal_ = goal;
+            goal_known_ = true;
+        }
         judge_later(t, wanted, does);
     }
 
@@ -338,10 +387,11 @@ template <class Subject> class conformance {
         if (!does.is_motion() && !is_foreign && !is_blind && !t.was_turning() &&
             (t.most() - t.begun_at() > Subject::tolerance || t.begun_at() - t.least() > Subject::tolerance))
             broken("S1", "the motor has moved, which was not commanded");
-        // Without power a motor rolls on.
-        const bool has_power =
-            !t.has_happened(mishap::fault) && !t.has_restarted() && !t.has_happened(mishap::stop_input) &&
-            !t.has_happened(mishap::program_disables) && !t.has_happened(mishap::program_stalls);
+        // Without power a motor rolls on, and a halt near the target has a ramp of its own.
+        const bool has_power = !t.has_happened(mishap::program_halts) && !t.has_happened(mishap::fault) &&
+                               !t.has_restarted() && !t.has_happened(mishap::stop_input) &&
+                               !t.has_happened(mishap::program_disables) &&
+                               !t.has_happened(mishap::program_stalls);
         if (does.what == expected::kind::moves_by && has_power) {
             const std::int64_t low = does.where < 0 ? t.begun_at() + does.where : t.begun_at();
             const std::int64_t high = does.where < 0 ? t.begun_at() : t.begun_at() + does.where;
@@ -395,7 +445,10 @@ template <class Subject> class conformance {
             broken("G35", "enable is done on a sound line, and the motor is not energised");
     }
 
+    // The same is reported once in a run.
     void broken(const char* promise, const char* what) {
+        if (reported_ == what) return;
+        reported_ = what;
         ++played_.findings;
         finding f = now_;
         f.promise = promise;
@@ -412,6 +465,7 @@ template <class Subject> class conformance {
     std::int64_t goal_ = 0;
     bool goal_known_ = false;
     bool was_enabled_ = false;
+    const char* reported_ = nullptr;
     unsigned requests_ = 0;            // of the command that was played last
     std::array<bool, 400> repeated_{}; // those of its requests that need no mishap of their own
 };

@@ -235,6 +235,8 @@ class model {
         }
         return errc::ok;
     }
+    /// A motion was replaced that may have started.
+    constexpr void preempt(const prepared_command&) { motion_.forget(); }
     /// A command has failed at a step of the table `failed`. Steps that are put into `c` follow.
     constexpr void fail(prepared_command& c, routine failed, const routine_status& r, bool, settings& known,
                         duration&) {
@@ -249,6 +251,8 @@ class model {
                             (!detail::may_have_written<virtual_input_levels>(failed, r) ||
                              failed[r.step].what == step::kind::write);
         c.then = effect::none;
+        if (was == effect::moved && is_started(failed, r))
+            motion_.forget(); // the target is that of the move before
         if (was == effect::moved && r.outcome() == outcome::unknown && is_started(failed, r)) {
             motion_.note(motion_check::unknown);
             word_order_of_move_ = known.word_order;

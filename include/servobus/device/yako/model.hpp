@@ -217,6 +217,8 @@ template <class Device> class model {
         }
         return errc::ok;
     }
+    /// A motion was replaced that may have started.
+    constexpr void preempt(const prepared_command&) { motion_.forget(); }
     /// A command has failed, and steps that are put into `c` follow.
     constexpr void fail(prepared_command& c, routine, const routine_status& r, bool, settings& known,
                         duration&) {

@@ -178,6 +178,10 @@ class model {
         }
         return errc::ok;
     }
+    /// A motion was replaced that may have started.
+    constexpr void preempt(const prepared_command& c) {
+        goals_ = static_cast<std::uint8_t>(goals_ & ~static_cast<unsigned>(c.which));
+    }
     /// A command has failed, and steps that are put into `c` follow. `timeout` is that of the
     /// drive's watchdog, which may have got a shorter one all the same.
     constexpr void fail(prepared_command& c, routine, const routine_status& r, bool is_expired,

@@ -63,6 +63,7 @@ template <class Subject> class trial {
         begun_at_ = place();
         was_turning_ = is_turning();
         known_ = 0;
+        starts_ = starts();
         least_ = most_ = begun_at_;
         seen_ = look();
         forget_views();
@@ -104,6 +105,8 @@ template <class Subject> class trial {
     unsigned writes() const { return writes_; }
     /// How often the motor was energised, other than by a restart of the drive.
     unsigned energised() const { return energised_; }
+    /// True if the drive has carried out the start of a move.
+    bool has_started() const { return starts() != starts_; }
     std::int64_t begun_at() const { return begun_at_; }
     bool was_turning() const { return was_turning_; }
     /// True for the third to the last but one of equal requests in a row: a wait asks the same again and again.
@@ -168,6 +171,7 @@ template <class Subject> class trial {
         std::int64_t place = 0;
     };
 
+    std::uint32_t starts() const { return Subject::starts(machine_.machine); }
     state look() const { return {is_energised()}; }
     void forget_views() { views_[0] = views_[1] = {}; }
     void view() {
@@ -265,6 +269,7 @@ template <class Subject> class trial {
     std::array<std::uint32_t, 400> sums_{}; // of the requests
     unsigned known_ = 0;                    // so many of them
     bool was_turning_ = false;
+    std::uint32_t starts_ = 0;
     std::array<traced_frame, 40> frames_{};
     std::array<traced_frame, 40> ordered_{};
     std::size_t next_ = 0;
