@@ -393,7 +393,6 @@ template <class Server> class request_receiver {
 
     constexpr void start_resync() {
         state_ = state::resync;
-        beginning_ = 0;
         drop();
     }
 

@@ -377,6 +377,7 @@ TEST_CASE(
         byte_list damaged = write_5_to_2;
         damaged.back() = static_cast<std::uint8_t>(damaged.back() ^ 1u);
         CHECK(b.ask(damaged) == exception(0x06, 1));
+        CHECK(b.server.dropped() == 1);
         CHECK(b.store.writes == 0);
         damaged[0] = 2;
         CHECK(b.ask(damaged) == silence);
@@ -398,6 +399,41 @@ TEST_CASE(
     CHECK(b.ask(write_5_to_2) == write_5_to_2);
     CHECK(b.ask(read_2) == framed({1, 0x03, 2, 0, 5}));
     CHECK(b.ask(framed({1, 0x10, 0, 2, 0, 2, 3, 0, 7, 0})) == exception(0x10, 3));
+}
+
+TEST_CASE("G13: in strict timing a request less than t3.5 after the response is not executed") {
+    for (const bool is_late : {false, true}) {
+        bench b;
+        CHECK(b.ask(write_5_to_2) == write_5_to_2);
+        b.now = b.now + duration{b.timing.t3_5 + (is_late ? 0u : 0u - 20u)};
+        b.receive(read_2);
+        CHECK(b.response() == (is_late ? framed({1, 0x03, 2, 0, 5}) : silence));
+    }
+}
+
+TEST_CASE(
+    "G13: bytes while the server answers do not make a request after its response one that a gap precedes") {
+    bench b;
+    b.quiet();
+    b.receive(write_5_to_2);
+    b.quiet();
+    b.receive({0x5A}); // after a gap
+    b.now = b.now + duration{b.timing.t3_5};
+    REQUIRE(same_bytes(b.server.response(b.now), write_5_to_2));
+    b.server.sent(b.now);
+    b.receive(read_2);
+    CHECK(b.response() == silence);
+}
+
+TEST_CASE("no bytes are no end of a gap") {
+    bench b;
+    b.quiet();
+    b.receive(write_5_to_2);
+    b.now = b.now + duration{b.timing.t3_5 - 1u};
+    b.server.feed_late(bytes{}, b.now);
+    b.server.feed(bytes{}, b.now);
+    CHECK(b.server.response(b.now).empty());
+    CHECK(same_bytes(b.server.response(b.now + duration{1}), write_5_to_2));
 }
 
 TEST_CASE("G32: a request that is too long is dropped, and the next one gets a response") {

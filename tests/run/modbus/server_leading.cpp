@@ -165,6 +165,23 @@ TEST_CASE(
     CHECK(found == 256);
 }
 
+TEST_CASE(
+    "G5: after a byte 00 or FF and an address that is no function a request is executed where it ends") {
+    for (const auto mode : both_modes) {
+        for (const std::uint8_t node_address : std::array<std::uint8_t, 3>{0x81, 0x85, 247}) {
+            for (const byte_list& lead : {leading(1, 0), leading(0, 1), leading(4, 0)}) {
+                CAPTURE(static_cast<int>(mode));
+                CAPTURE(node_address);
+                CAPTURE(lead);
+                bench b{mode, node_address};
+                b.receive(lead + write_to(node_address, 5));
+                CHECK(b.server.is_answering());
+                CHECK(b.store.words[2] == 5);
+            }
+        }
+    }
+}
+
 TEST_CASE("G13, G14: a byte 00 or FF that is the server's address is not skipped") {
     for (const auto mode : both_modes) {
         for (const std::uint8_t code : {std::uint8_t{0x00}, std::uint8_t{0x65}, std::uint8_t{0x81}}) {

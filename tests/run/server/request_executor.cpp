@@ -164,6 +164,22 @@ static_assert(request_executor<only_inputs, with_server_id<long_id>>::longest_re
 static_assert(request_executor<only_inputs, with_identification<served_rows::about>>::longest_response ==
               7 + 2 + 16);
 static_assert(request_executor<only_inputs>::buffer_size == 7);
+inline constexpr identity empty_objects[]{{0, ""}, {1, ""}, {2, ""}};
+static_assert(request_executor<only_inputs, with_identification<empty_objects>>::longest_response == 9);
+static_assert(detail::option_number<int> == 0); // is none
+
+// A device with coils and holding registers, and without inputs.
+using without_inputs = row_values<served_rows::valve, served_rows::selected>;
+constexpr bool tells_coils_from_registers() {
+    without_inputs v;
+    const auto is = [&v](bytes request, bytes response) {
+        return responds<request_executor<without_inputs>>(v, request, response);
+    };
+    return is(hex("03 00 10 00 01"), hex("03 02 00 01")) && is(hex("01 00 00 00 01"), hex("01 01 01")) &&
+           is(hex("06 00 10 00 02"), hex("06 00 10 00 02")) &&
+           v.get<served_rows::selected>() == served_rows::gear::high;
+}
+static_assert(tells_coils_from_registers());
 
 struct recorder {
     using changes_of_rows = changes<served_rows::values>;

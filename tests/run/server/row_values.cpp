@@ -89,6 +89,15 @@ constexpr bool keeps_elements_of_interleaved_arrays_apart() {
 }
 static_assert(keeps_elements_of_interleaved_arrays_apart());
 
+#ifdef _GLIBCXX_ASSERTIONS
+// An element beyond the end is refused, also if the value of another row follows it.
+template <std::size_t I>
+concept has_element = requires {
+    typename std::bool_constant<(values{}.get<served_rows::highs>(I), true)>;
+};
+static_assert(has_element<2> && !has_element<3>);
+#endif
+
 // Run-time values enter by themselves where each value of the type is in range.
 static_assert(detail::holds_every_value<served_rows::last_word> &&
               detail::holds_every_value<served_rows::pressure>);
