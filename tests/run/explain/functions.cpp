@@ -59,6 +59,8 @@ constexpr pair pairs[] = {
     {"0C", "read event log", "0C 08 00 00 01 08 01 21 20 00",
      "event log of 264 events and 289 messages, newest first: 20 00",
      "event log of 264 events and 289 messages, newest first: 20 00"},
+    {"0C", "read event log", "0C 06 00 00 01 08 01 21", "event log of 264 events and 289 messages",
+     "event log of 264 events and 289 messages"},
     {"0F 00 13 00 0A 02 CD 01", "write coils 0x0013..0x001C = 10110011 10", "0F 00 13 00 0A",
      "coils 0x0013..0x001C written", "coils 0x0013..0x001C written"},
     {"11", "report server ID", "11 03 07 FF 41", "server ID 07 FF 41", "server ID 07 FF 41"},
@@ -74,6 +76,8 @@ constexpr pair pairs[] = {
     {"2B 0E 01 00", "read basic identification", "2B 0E 01 01 00 00 02 00 02 41 42 01 01 22",
      "identification, vendor name \"AB\", product code \"\\x22\"",
      "identification, vendor name \"AB\", product code \"\\x22\""},
+    {"2B 0E 04 05", "read identification, model name", "2B 0E 04 02 00 00 01 05 04 7E 5C 7F 20",
+     "identification, model name \"~\\x5C\\x7F \"", "identification, model name \"~\\x5C\\x7F \""},
     {"2B 0E 03 80", "read extended identification, from object 0x80 on", "2B 0E 03 83 FF 81 01 80 01 0A",
      "identification, object 0x80 \"\\x0A\", more from object 0x81 on",
      "identification, object 0x80 \"\\x0A\", more from object 0x81 on"},
@@ -172,6 +176,43 @@ TEST_CASE("a counter of function 08 that is 0 makes the response equal to its re
     CHECK(say(unknown, printed_pdu{"08 00 02 A5 37"}).text == "node 1: response, diagnostic register 0xA537");
 }
 
+TEST_CASE("each counter of function 08 has its name, and its response its count") {
+    constexpr const char* names[] = {"bus message count",
+                                     "bus communication error count",
+                                     "bus exception count",
+                                     "server message count",
+                                     "server no response count",
+                                     "server negative acknowledgement count",
+                                     "server busy count",
+                                     "bus character overrun count"};
+    std::uint8_t asked[]{8, 0, 0x0B, 0, 0};
+    std::uint8_t answer[]{8, 0, 0x0B, 0x01, 0x08};
+    for (const char* name : names) {
+        CAPTURE(name);
+        CHECK(say(request, asked).text == std::string{"node 1: read "} + name);
+        CHECK(say(unknown, answer).text == std::string{"node 1: response, "} + name + " 264");
+        ++asked[2];
+        ++answer[2];
+    }
+    CHECK(say(request, printed_pdu{"08 00 02 00 00"}).text == "node 1: read diagnostic register");
+    CHECK(say(unknown, printed_pdu{"08 00 04 00 00"}).text == "node 1: force listen-only mode"); // no response
+}
+
+TEST_CASE("functions 41h to 48h and 64h to 6Eh are user-defined, their neighbours are not in the standard") {
+    const auto name = [](std::uint8_t code) {
+        const std::uint8_t pdu[]{code, 7};
+        return say(unknown, pdu).text.substr(std::string{"node 1: valid frame of function "}.size());
+    };
+    CHECK(name(0x40) == "40h (not in the standard), data 07");
+    CHECK(name(0x41) == "41h (user-defined), data 07");
+    CHECK(name(0x48) == "48h (user-defined), data 07");
+    CHECK(name(0x49) == "49h (not in the standard), data 07");
+    CHECK(name(0x63) == "63h (not in the standard), data 07");
+    CHECK(name(0x64) == "64h (user-defined), data 07");
+    CHECK(name(0x6E) == "6Eh (user-defined), data 07");
+    CHECK(name(0x6F) == "6Fh (not in the standard), data 07");
+}
+
 TEST_CASE("a broadcast of a function that reads is invalid, of one that writes it is not") {
     for (const printed_pdu& pdu : {printed_pdu{"05 00 AC FF 00"}, printed_pdu{"0F 00 13 00 0A 02 CD 01"},
                                    printed_pdu{"16 20 34 00 F2 00 25"}, printed_pdu{"08 00 0A 00 00"}}) {
@@ -229,6 +270,8 @@ TEST_CASE("what is wrong with a frame of a function beyond registers is said") {
          "request of function 05 (write single coil): wrong value 0x0001"},
         {unknown, "01 00 00 07 D1", errc::wrong_quantity,
          "request of function 01 (read coils): wrong quantity 2001"},
+        {unknown, "01 FF FF 00 02", errc::wrong_address,
+         "request of function 01 (read coils): coils beyond 0xFFFF"},
         {unknown, "02 FF FF 00 02", errc::wrong_address,
          "request of function 02 (read discrete inputs): discrete inputs beyond 0xFFFF"},
         {unknown, "02 03 AC DB", errc::wrong_byte_count,
@@ -239,6 +282,8 @@ TEST_CASE("what is wrong with a frame of a function beyond registers is said") {
          "response to function 0Fh (write multiple coils): coils beyond 0xFFFF"},
         {response, "0F 00 00 07 B1", errc::wrong_quantity,
          "response to function 0Fh (write multiple coils): wrong quantity 1969"},
+        {response, "0F 00 00 00 00", errc::wrong_quantity,
+         "response to function 0Fh (write multiple coils): wrong quantity 0"},
         {unknown, "07 01 02", errc::too_long,
          "response to function 07 (read exception status): frame too long"},
         {request, "07 01", errc::too_long, "request of function 07 (read exception status): frame too long"},
@@ -273,6 +318,8 @@ TEST_CASE("what is wrong with a frame of a function beyond registers is said") {
          "request of function 2Bh (encapsulated interface): wrong value 0x05"},
         {unknown, "2B 0E 05 01 00 00 01 00 00", errc::wrong_value,
          "response to function 2Bh (encapsulated interface): wrong value 0x05"},
+        {unknown, "2B 0E 00 01 00 00 01 00 00", errc::wrong_value,
+         "response to function 2Bh (encapsulated interface): wrong value 0x00"},
         {unknown, "2B 0E 01 01 00 00 00 00 00", errc::wrong_quantity,
          "response to function 2Bh (encapsulated interface): wrong quantity 0"},
         {unknown, "2B 0E 01 01 00 00 01 00 05", errc::too_short,

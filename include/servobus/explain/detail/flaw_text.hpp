@@ -27,7 +27,7 @@ constexpr direction likely_direction(bytes pdu) {
     case 0x07:
     case 0x0B:
     case 0x0C:
-    case 0x11: return pdu.size() == 1 ? request : response;
+    case 0x11: return response; // a request is one byte, and well-formed
     case 0x0F:
     case 0x10: return pdu.size() <= 5 ? response : request;
     case 0x17: return pdu.size() < 2 || pdu[1] != pdu.size() - 2 ? request : response;
@@ -61,7 +61,7 @@ class flaw_text {
   private:
     constexpr const char* thing() const {
         if (code_ == 0x02) return "discrete input";
-        return code_ == 0x01 || code_ == 0x05 || code_ == 0x0F ? "coil" : "register";
+        return code_ == 0x01 || code_ == 0x0F ? "coil" : "register";
     }
     constexpr void put_number(std::size_t n) { out_.number(static_cast<std::int64_t>(n)); }
 

@@ -17,20 +17,17 @@
 
 namespace servobus::detail {
 
+/// A function beyond 03, 04, 06 and 10h, whose codes say enough.
 constexpr const char* name_of_function(std::uint8_t code) {
     switch (code) {
     case 0x01: return "read coils";
     case 0x02: return "read discrete inputs";
-    case 0x03: return "read holding registers";
-    case 0x04: return "read input registers";
     case 0x05: return "write single coil";
-    case 0x06: return "write single register";
     case 0x07: return "read exception status";
     case 0x08: return "diagnostics";
     case 0x0B: return "get event counter";
     case 0x0C: return "get event log";
     case 0x0F: return "write multiple coils";
-    case 0x10: return "write multiple registers";
     case 0x11: return "report server ID";
     case 0x14: return "read file record";
     case 0x15: return "write file record";
