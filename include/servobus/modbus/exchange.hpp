@@ -337,9 +337,9 @@ class basic_exchange : gathering<std::uint16_t, Lengths> {
             phase_ = phase::done; // the status is `ok` from the beginning
             return 8;
         }
-        if (length_ != size_) same_ = 0; // it differs from the request
-        count_ = length_;
         const bytes whole{response_, length_};
+        if (!same_bytes(arrived.first(whole.size()), request())) same_ = 0;
+        count_ = length_;
         copy(arrived.data(), response_, whole.size());
         end(Crc::end(Crc::update(Crc::begin(), whole)) == 0 ? errc::ok : errc::bad_crc);
         return whole.size();
