@@ -29,9 +29,11 @@ struct bench {
     served_rows::values values{};
     host_row_server<byte_times::uart, served_rows::values, with_mask_write, with_read_write, with_loopback,
                     with_identification<served_rows::about>, with_server_id<served_rows::id>>
-        server{port, values, 7, timing};
+        server;
 
-    bench() { port.burst = 64; }
+    explicit bench(std::uint8_t node_address = 7) : server{port, values, node_address, timing} {
+        port.burst = 64;
+    }
     void step(std::uint32_t us) {
         port.time.us += us;
         server.step();
@@ -234,6 +236,36 @@ TEST_CASE("a port that takes few bytes, or fails") {
     b.quiet(30'000);
     CHECK(b.response().empty());
     CHECK(b.ask(read_selected) == is_selected);
+}
+
+TEST_CASE("a response leaves once, and the next request is taken when its last bit has left") {
+    bench b;
+    b.port.has_left = false; // the bytes are queued
+    b.receive(read_selected);
+    b.t3_5();
+    b.quiet(5000);
+    CHECK(b.server.is_answering());
+    CHECK(b.port.sent_bytes == is_selected);
+    b.port.has_left = true;
+    CHECK(b.response() == is_selected);
+    CHECK(!b.server.is_answering());
+    CHECK(b.ask(read_selected) == is_selected);
+}
+
+TEST_CASE("a garbled character is no byte of a frame, whatever the address of the server") {
+    for (const unsigned number : {0x54u, 0x55u, 0x56u}) {
+        CAPTURE(number);
+        const auto node_address = static_cast<std::uint8_t>(number);
+        bench b{node_address};
+        const byte_list write = framed({node_address, 6, 0, 0x10, 0, 2});
+        b.port.is_garbled = true; // in place of the address
+        b.step(96);
+        b.receive({write.begin() + 1, write.end()});
+        b.quiet(30'000);
+        CHECK(b.response().empty());
+        CHECK(b.values.get<served_rows::selected>() == served_rows::gear::low);
+        CHECK(b.ask(write) == write);
+    }
 }
 
 } // namespace host_row_server_tests
