@@ -212,6 +212,7 @@ TEST_CASE_TEMPLATE("a user-defined function ends by the caller's rule", Kind, an
     // More than there is room for.
     CHECK(ask(byte_list{0x41, 9, 14} + byte_list(14, 1), length_rule::counted(2)).error() == errc::too_long);
     CHECK(!ask(byte_list{0x41} + byte_list(16, 6), length_rule::until_gap()));
+    CHECK(!ask({0x41}, length_rule::until_gap())); // no response is as short
     CHECK(is(ask(byte_list{0x41, 9, 13} + byte_list(13, 1), length_rule::counted(2)),
              byte_list{0x41, 9, 13} + byte_list(13, 1)));
     // Exceptions have their length under every rule.
@@ -226,6 +227,14 @@ TEST_CASE_TEMPLATE("a user-defined function ends by the caller's rule", Kind, an
     CHECK(drive.transact(asked, room, length_rule::fixed(1)).error() == errc::bad_argument);
     CHECK(drive.transact(asked, room, length_rule::fixed(254)).error() == errc::bad_argument);
     CHECK(drive.transact(asked, room, length_rule::counted(0)).error() == errc::bad_argument);
+    CHECK(drive.transact(asked, room, length_rule::counted(253)).error() == errc::bad_argument);
+    // A request that is none, room for no response, and a node that cannot be.
+    const length_rule two = length_rule::fixed(2);
+    CHECK(drive.transact(bytes{}, room, two).error() == errc::bad_argument);
+    CHECK(drive.transact(byte_list(254, 0x41), room, two).error() == errc::bad_argument);
+    CHECK(drive.transact(asked, byte_buffer{room}.first(1), two).error() == errc::bad_argument);
+    client nobody{on, node<device>{248}};
+    CHECK(nobody.transact(asked, room, two).error() == errc::bad_argument);
     CHECK(port.frames.size() == sent);
     response = {1, 1, 0x05}; // the request tells the length, whatever the rule
     CHECK(is(drive.transact(byte_list{1, 0, 0, 0, 3}, room, length_rule::of_function()), {1, 1, 0x05}));

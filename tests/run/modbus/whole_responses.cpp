@@ -74,4 +74,68 @@ TEST_CASE("a response as long as its request differs from it, or is its echo, ho
     CHECK(end_of(both, both) == end{errc::ok, false, both});
 }
 
+TEST_CASE("a response whose length a rule says ends alike, however it arrives") {
+    struct row {
+        byte_list request; // without their CRC
+        length_rule rule;
+        byte_list response;
+        errc why;
+    };
+    const row rows[] = {
+        {{1, 0x41, 7}, length_rule::fixed(4), {1, 0x41, 9, 8, 3}, errc::ok},
+        {{1, 0x41, 7}, length_rule::counted(1), {1, 0x41, 2, 8, 3}, errc::ok},
+        {{1, 0x41, 7}, length_rule::until_gap(), {1, 0x41, 9, 8, 3}, errc::ok},
+        {{1, 0x41, 7}, length_rule::until_gap(), {1, 0xC1, 2}, errc::exception},
+        {{1, 0x11}, length_rule::of_function(), {1, 0x11, 3, 7, 0xFF, 1}, errc::ok},
+        {{1, 0x41, 7}, length_rule::fixed(4), {1, 0x42, 9, 8, 3}, errc::wrong_function},
+        {{1, 3, 0, 0, 0, 1}, length_rule::fixed(9), {1, 3, 2, 0, 5}, errc::ok}, // the request says it
+    };
+    for (const row& r : rows) {
+        const byte_list request = framed(r.request);
+        const byte_list response = framed(r.response);
+        for (const std::size_t piece : {response.size(), std::size_t{1}, std::size_t{3}}) {
+            CAPTURE(response);
+            CAPTURE(piece);
+            std::array<std::uint8_t, 64> room{};
+            open_exchange x{request, room, r.rule, host, usual, {}};
+            if (r.request[1] == 3) x = open_exchange{request, byte_buffer{room}.first(7), r.rule, host, usual, {}};
+            const end e = end_of(x, response, piece);
+            CHECK(e.why == r.why);
+            CHECK(e.differs);
+            if (e.why == errc::ok) CHECK(e.response == response);
+        }
+    }
+}
+
+TEST_CASE("a response of a rule may take as long as one that fills its room") {
+    const byte_list request = framed({1, 0x41, 7});
+    for (const std::size_t size : {std::size_t{8}, std::size_t{100}, std::size_t{256}}) {
+        std::array<std::uint8_t, 256> room{};
+        const byte_buffer there = byte_buffer{room}.first(size);
+        const open_exchange counted{request, there, length_rule::counted(1), host, usual, {}};
+        const open_exchange until_gap{request, there, length_rule::until_gap(), host, usual, {}};
+        const modbus::exchange fixed{request, there, host, usual}; // as long as the room
+        CHECK(counted.longest() == fixed.longest());
+        CHECK(until_gap.longest() == fixed.longest());
+        CHECK(counted.longest_before_stop() == fixed.longest_before_stop());
+    }
+    std::array<std::uint8_t, 64> room{};
+    const byte_list read = framed({1, 3, 0, 0, 0, 1});
+    const open_exchange known{read, byte_buffer{room}.first(7), length_rule::until_gap(), host, usual, {}};
+    CHECK(known.longest() == modbus::exchange{read, byte_buffer{room}.first(7), host, usual}.longest());
+}
+
+TEST_CASE("a rule that is none, a broadcast and a request that is none have no exchange of open length") {
+    std::array<std::uint8_t, 64> room{};
+    const auto why = [&](const byte_list& request, length_rule rule) {
+        const open_exchange x{request, room, rule, host, usual, {}};
+        return x.done() ? x.status().error() : errc::ok;
+    };
+    CHECK(why(framed({1, 0x41, 7}), length_rule::counted(1)) == errc::ok);
+    CHECK(why(framed({1, 0x41, 7}), length_rule::counted(0)) == errc::bad_argument);
+    CHECK(why(framed({0, 0x41, 7}), length_rule::counted(1)) == errc::bad_argument);
+    CHECK(why(framed({1, 0x81, 7}), length_rule::counted(1)) == errc::bad_argument);
+    CHECK(why(framed({250, 0x41, 7}), length_rule::counted(1)) == errc::bad_argument);
+}
+
 } // namespace whole_responses_tests
