@@ -76,10 +76,11 @@ template <class Kind> struct setup {
     void repeats() {
         port.device = [](scripted_port& p, const sent_frame& f) { p.say(500, f.data); };
     }
+    std::uint32_t step_us = 200; ///< between two calls of `step`
     template <class Call> void finish(Call& call) {
         for (int i = 0; i < 20'000 && !call.done(); ++i) {
             (void)call.step();
-            port.time += 200;
+            port.time += step_us;
         }
         REQUIRE(call.done());
     }
@@ -119,6 +120,24 @@ TEST_CASE("G3: bits that repeat their request are values where an echo is ruled 
     const auto latest = all.latest<0>(milliseconds(100));
     REQUIRE(latest);
     CHECK((!latest->get<bit<18>>() && latest->get<bit<19>>() && latest->get<bit<20>>()));
+}
+
+TEST_CASE("a response as long as its request that is found in one piece is no echo where it differs") {
+    line_setup r;
+    r.step_us = 20'000;
+    const auto seen = stepped_bits(r, bits{});
+    REQUIRE(seen);
+    CHECK((seen->get<bit<0>>() && seen->get<bit<21>>() && !seen->get<bit<1>>() && !seen->get<bit<23>>()));
+    CHECK(r.on.is_echo_ruled_out());
+
+    line_setup other;
+    other.step_us = 20'000;
+    stepped_write_then_read<test_client, five_rows, light> both{other.drive};
+    CHECK(both.begin(raw(7)) == errc::ok);
+    other.finish(both);
+    REQUIRE(both.value());
+    CHECK(both.value()->get<at<five, 4>>() == 0xA04);
+    CHECK(other.on.is_echo_ruled_out());
 }
 
 TEST_CASE_TEMPLATE("G3: words of function 17h that repeat the request are values where an echo is ruled out",
