@@ -177,14 +177,10 @@ TEST_CASE("a counter of function 08 that is 0 makes the response equal to its re
 }
 
 TEST_CASE("each counter of function 08 has its name, and its response its count") {
-    constexpr const char* names[] = {"bus message count",
-                                     "bus communication error count",
-                                     "bus exception count",
-                                     "server message count",
-                                     "server no response count",
-                                     "server negative acknowledgement count",
-                                     "server busy count",
-                                     "bus character overrun count"};
+    constexpr const char* names[] = {"bus message count",        "bus communication error count",
+                                     "bus exception count",      "server message count",
+                                     "server no response count", "server negative acknowledgement count",
+                                     "server busy count",        "bus character overrun count"};
     std::uint8_t asked[]{8, 0, 0x0B, 0, 0};
     std::uint8_t answer[]{8, 0, 0x0B, 0x01, 0x08};
     for (const char* name : names) {
@@ -195,7 +191,8 @@ TEST_CASE("each counter of function 08 has its name, and its response its count"
         ++answer[2];
     }
     CHECK(say(request, printed_pdu{"08 00 02 00 00"}).text == "node 1: read diagnostic register");
-    CHECK(say(unknown, printed_pdu{"08 00 04 00 00"}).text == "node 1: force listen-only mode"); // no response
+    CHECK(say(unknown, printed_pdu{"08 00 04 00 00"}).text ==
+          "node 1: force listen-only mode"); // no response
 }
 
 TEST_CASE("functions 41h to 48h and 64h to 6Eh are user-defined, their neighbours are not in the standard") {

@@ -23,8 +23,8 @@ using tests::framed;
 namespace {
 constexpr modbus::rtu_timing timing = modbus::timing_at(115200);
 using line_type = blocking_line<tests::scripted_port, timing>;
-using open_line = blocking_line<tests::scripted_port, timing, milliseconds(100), modbus::default_crc,
-                                modbus::open_lengths>;
+using open_line =
+    blocking_line<tests::scripted_port, timing, milliseconds(100), modbus::default_crc, modbus::open_lengths>;
 
 // The length of the response; 0 for a request that is not taken.
 template <bool IsBroadcast, bool IsAny> std::size_t length_after(const byte_list& body, std::size_t room) {
@@ -34,8 +34,12 @@ template <bool IsBroadcast, bool IsAny> std::size_t length_after(const byte_list
         request, byte_buffer{memory}.first(room), timing, response_limits{}};
     return x.response_size();
 }
-std::size_t usual(const byte_list& body, std::size_t room = 64) { return length_after<false, false>(body, room); }
-std::size_t any(const byte_list& body, std::size_t room = 64) { return length_after<false, true>(body, room); }
+std::size_t usual(const byte_list& body, std::size_t room = 64) {
+    return length_after<false, false>(body, room);
+}
+std::size_t any(const byte_list& body, std::size_t room = 64) {
+    return length_after<false, true>(body, room);
+}
 std::size_t broadcast(const byte_list& body) { return length_after<true, true>(body, 64); }
 } // namespace
 
@@ -49,8 +53,9 @@ TEST_CASE("a usual exchange takes functions 01..06, 0F and 10h") {
     CHECK(usual({1, 0x0F, 0, 0, 0, 2, 1, 3}) == 8);
     CHECK(usual({1, 0x10, 0, 0, 0, 1, 2, 0, 3}) == 8);
     for (const byte_list& other :
-         {byte_list{1, 7}, byte_list{1, 8, 0, 0, 0, 1}, byte_list{1, 0x11}, byte_list{1, 0x16, 0, 0, 0, 1, 0, 2},
-          byte_list{1, 0x17, 0, 0, 0, 1, 0, 0, 0, 1, 2, 0, 1}, byte_list{1, 0x41, 1}})
+         {byte_list{1, 7}, byte_list{1, 8, 0, 0, 0, 1}, byte_list{1, 0x11},
+          byte_list{1, 0x16, 0, 0, 0, 1, 0, 2}, byte_list{1, 0x17, 0, 0, 0, 1, 0, 0, 0, 1, 2, 0, 1},
+          byte_list{1, 0x41, 1}})
         CHECK(usual(other) == 0);
 }
 

@@ -23,8 +23,8 @@ using modbus::length_rule;
 namespace {
 unsigned length_after(const byte_list& body) { return modbus::expected_response(framed(body)); }
 byte_list with_quantity(unsigned code, unsigned quantity) {
-    return {3,  static_cast<std::uint8_t>(code), 0, 7, static_cast<std::uint8_t>(quantity >> 8),
-            static_cast<std::uint8_t>(quantity)};
+    return {3, static_cast<std::uint8_t>(code),          0,
+            7, static_cast<std::uint8_t>(quantity >> 8), static_cast<std::uint8_t>(quantity)};
 }
 constexpr unsigned unknown = 0xFFFF;
 } // namespace

@@ -98,7 +98,8 @@ TEST_CASE("a response whose length a rule says ends alike, however it arrives") 
             CAPTURE(piece);
             std::array<std::uint8_t, 64> room{};
             open_exchange x{request, room, r.rule, host, usual, {}};
-            if (r.request[1] == 3) x = open_exchange{request, byte_buffer{room}.first(7), r.rule, host, usual, {}};
+            if (r.request[1] == 3)
+                x = open_exchange{request, byte_buffer{room}.first(7), r.rule, host, usual, {}};
             const end e = end_of(x, response, piece);
             CHECK(e.why == r.why);
             CHECK(e.differs);

@@ -110,7 +110,11 @@ TEST_CASE("a plan notes a response to a read of 17 to 24 bits that its echo coul
             const auto p = detail::plan_tables<1>(std::move(one), 8);
             const bool is_like_an_echo = address / 256 == 3 && quantity > 16 && quantity <= 24;
             CHECK(p.has_echo_like_response == is_like_an_echo);
-            const std::uint8_t echo[]{1, 2, static_cast<std::uint8_t>(address >> 8), static_cast<std::uint8_t>(address), 0,
+            const std::uint8_t echo[]{1,
+                                      2,
+                                      static_cast<std::uint8_t>(address >> 8),
+                                      static_cast<std::uint8_t>(address),
+                                      0,
                                       static_cast<std::uint8_t>(quantity)};
             CHECK(p.requests[0].is_repeated_by(echo) == is_like_an_echo);
             std::uint8_t other[6];

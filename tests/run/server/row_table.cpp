@@ -57,7 +57,8 @@ std::size_t longest_run(const std::set<unsigned>& all) {
     return longest;
 }
 
-template <std::size_t N> void check_slots(const detail::row_list<N>& list, const std::vector<plain_row>& pack) {
+template <std::size_t N>
+void check_slots(const detail::row_list<N>& list, const std::vector<plain_row>& pack) {
     std::map<std::pair<pool, unsigned>, bool> slots; // true: writable
     for (std::size_t i = 0; i < N; ++i) {
         const plain_row& r = list.rows[i];
@@ -89,9 +90,8 @@ template <std::size_t N> void check_slots(const detail::row_list<N>& list, const
 }
 
 template <std::size_t N> void check_order(const detail::row_list<N>& list, std::vector<plain_row> rows) {
-    std::stable_sort(rows.begin(), rows.end(), [](const plain_row& a, const plain_row& b) {
-        return place_of(a) < place_of(b);
-    });
+    std::stable_sort(rows.begin(), rows.end(),
+                     [](const plain_row& a, const plain_row& b) { return place_of(a) < place_of(b); });
     for (std::size_t i = 0; i < N; ++i) REQUIRE(list.rows[i].initial == rows[i].initial);
 }
 
