@@ -64,12 +64,10 @@ template <std::size_t Rows> struct table_plan {
     bool overlaps = false;
     bool has_echo_like_response = false; // one of the requests
 
-    // The request that reads a row.
+    // The request that reads a row of the plan. Requests are sorted.
     constexpr const table_extent& request_of(table of, u16 address) const {
         std::size_t i = 0;
-        while (requests[i].of != of || address < requests[i].address ||
-               address - requests[i].address >= requests[i].quantity)
-            ++i;
+        while (requests[i].of != of || address - requests[i].address >= requests[i].quantity) ++i;
         return requests[i];
     }
 };

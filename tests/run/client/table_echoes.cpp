@@ -158,6 +158,23 @@ TEST_CASE_TEMPLATE("G3: words of function 17h that repeat the request are values
     CHECK(repeated->template get<at<five, 4>>() == 7);
 }
 
+TEST_CASE("a stepped call of a node that the device cannot have does not begin") {
+    line_setup r;
+    test_client nobody{r.on, node<device>{248}};
+    stepped_read<test_client, input> read{nobody};
+    CHECK(read.begin() == errc::bad_argument);
+    stepped_write<test_client, bit<0>> one{nobody};
+    CHECK(one.begin(true) == errc::bad_argument);
+    stepped_write<test_client, bit<0>, bit<1>> two{nobody};
+    CHECK(two.begin(true, false) == errc::bad_argument);
+    CHECK(two.status() == errc::bad_argument);
+    stepped_change_bits<test_client, light, 3> change{nobody};
+    CHECK(change.begin(1) == errc::bad_argument);
+    stepped_write_then_read<test_client, five_rows, light> both{nobody};
+    CHECK(both.begin(raw(7)) == errc::bad_argument);
+    CHECK(r.port.frames.empty());
+}
+
 TEST_CASE("a stepped call that needs the word order does not begin without it") {
     line_setup r;
     stepped_read<test_client, energy> one{r.drive};

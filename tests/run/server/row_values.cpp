@@ -54,10 +54,9 @@ constexpr bool keeps_what_is_set() {
 }
 static_assert(keeps_what_is_set());
 
-constexpr bool refuses_values_out_of_range() {
-    values v;
-    // Not const: the compiler would compute it, since no value is stored.
-    bool are_refused =
+// By reference, else the compiler computes what stores no value.
+constexpr bool refuses_values_out_of_range(values& v) {
+    const bool are_refused =
         v.set<served_rows::travel>(checked(raw(run_time(100'001)))) == errc::out_of_range &&
         v.set<served_rows::travel>(checked(raw(run_time(-6)))) == errc::out_of_range &&
         v.set<served_rows::lows>(1, checked(raw(101))) == errc::out_of_range &&
@@ -72,7 +71,10 @@ constexpr bool refuses_values_out_of_range() {
            v.get<served_rows::lows>(1) == 100 * units::pulse &&
            v.get<served_rows::travel>() == 100'000 * units::pulse;
 }
-static_assert(refuses_values_out_of_range());
+static_assert([] {
+    values v;
+    return refuses_values_out_of_range(v);
+}());
 
 constexpr bool keeps_elements_of_interleaved_arrays_apart() {
     values v;
@@ -118,7 +120,8 @@ TEST_CASE("rows begin with the factory defaults and keep what is set") {
     // The same at run time, where values are stored and loaded as a whole.
     CHECK(begins_with_factory_defaults());
     CHECK(keeps_what_is_set());
-    CHECK(refuses_values_out_of_range());
+    values v;
+    CHECK(refuses_values_out_of_range(v));
     CHECK(keeps_elements_of_interleaved_arrays_apart());
 }
 
