@@ -325,6 +325,7 @@ class basic_exchange : gathering<std::uint16_t, Lengths> {
         if (like_ == 0x06) return is_requested(0) && is_requested(2) && is_requested(4) && is_requested(6);
         if (!is_requested(0)) return false;
         if (length_ < size_ && is_requested(length_ - 2u)) return false; // may be an echo
+        if (length_ == size_) return false;                              // as long as its echo
         if (length_ > size_ && arrived[length_ - 1u] == 0) return false; // or one with zeros after it
         if (like_ == 0x10) return is_requested(2) && is_requested(4);
         return has_count(like_) && arrived[2] == length_ - 5u;
@@ -337,9 +338,9 @@ class basic_exchange : gathering<std::uint16_t, Lengths> {
             phase_ = phase::done; // the status is `ok` from the beginning
             return 8;
         }
-        const bytes whole{response_, length_};
-        if (!same_bytes(arrived.first(whole.size()), request())) same_ = 0;
+        same_ = 0; // it differs from the request
         count_ = length_;
+        const bytes whole{response_, length_};
         copy(arrived.data(), response_, whole.size());
         end(Crc::end(Crc::update(Crc::begin(), whole)) == 0 ? errc::ok : errc::bad_crc);
         return whole.size();
