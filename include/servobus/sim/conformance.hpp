@@ -319,6 +319,8 @@ template <class Subject> class conformance {
             broken("G29", "the command does not end");
             return;
         }
+        if (t.is_stop_refused() && !std::is_same_v<Command, disable> && !std::is_same_v<Command, quick_stop>)
+            broken("G25", "a disable is refused while another command is under way");
         const routine_status& r = t.drive().last();
         const bool is_replaced = r.error() == errc::preempted || t.has_happened(mishap::program_halts) ||
                                  t.has_happened(mishap::program_disables);
@@ -397,6 +399,12 @@ template <class Subject> class conformance {
             const std::int64_t high = does.where < 0 ? t.begun_at() : t.begun_at() + does.where;
             if (t.least() < low - Subject::tolerance || t.most() > high + Subject::tolerance)
                 broken("G15", "a move by a way went farther than its way");
+        }
+        if (now_.first.what == mishap::none) {
+            if (is_enable && d.state() != drive_state::enabled)
+                broken("G35", "enable is done on an undisturbed line, and the state is another one");
+            if (std::is_same_v<named, disable> && d.state() != drive_state::disabled)
+                broken("G35", "disable is done on an undisturbed line, and the state is another one");
         }
         if (d.state() == drive_state::enabled && !t.is_energised())
             broken("G35", "the drive is not energised, its feedback is read, and the state is enabled");

@@ -63,6 +63,7 @@ template <class Subject> class trial {
         begun_at_ = place();
         was_turning_ = is_turning();
         known_ = 0;
+        is_stop_refused_ = false;
         starts_ = starts();
         least_ = most_ = begun_at_;
         seen_ = look();
@@ -105,6 +106,8 @@ template <class Subject> class trial {
     unsigned writes() const { return writes_; }
     /// How often the motor was energised, other than by a restart of the drive.
     unsigned energised() const { return energised_; }
+    /// True if a disable, begun while the command was under way, was refused.
+    bool is_stop_refused() const { return is_stop_refused_; }
     /// True if the drive has carried out the start of a move.
     bool has_started() const { return starts() != starts_; }
     std::int64_t begun_at() const { return begun_at_; }
@@ -230,7 +233,7 @@ template <class Subject> class trial {
         sample();
         if (happens_now(mishap::program_stalls)) wire_.pass(stall);
         if (happens_now(mishap::program_halts)) (void)drive_.begin(halt{});
-        if (happens_now(mishap::program_disables)) (void)drive_.begin(disable{});
+        if (happens_now(mishap::program_disables)) is_stop_refused_ = drive_.begin(disable{}) != errc::ok;
         constexpr duration longest = milliseconds(5); // the machine is looked at so often
         wire_.wait(idle == duration{} ? microseconds(20) : idle < longest ? idle : longest);
         sample();
@@ -269,6 +272,7 @@ template <class Subject> class trial {
     std::array<std::uint32_t, 400> sums_{}; // of the requests
     unsigned known_ = 0;                    // so many of them
     bool was_turning_ = false;
+    bool is_stop_refused_ = false;
     std::uint32_t starts_ = 0;
     std::array<traced_frame, 40> frames_{};
     std::array<traced_frame, 40> ordered_{};
