@@ -231,12 +231,14 @@ void row_requests(corpus& to) {
 int main() {
     corpus request{"request"}, response{"response"}, server{"server"}, exchange{"exchange"}, line{"line"},
         blocking_line{"blocking_line"}, explain{"explain"}, text{"text"}, simulators{"simulators"},
-        libmodbus{"libmodbus"}, of_functions{"functions"}, row_server{"row_server"};
+        libmodbus{"libmodbus"}, of_functions{"functions"}, row_server{"row_server"}, conformance{"conformance"};
     calls(line);
     blocking_line_calls(blocking_line);
     texts(text);
     functions(of_functions, explain);
     row_requests(row_server);
+    // Each command once, undisturbed but for a late response.
+    for (std::uint8_t c = 0; c < 15; ++c) conformance.add("command_" + std::to_string(c), {c, 0, 4, 2, 5, 3});
     std::uint8_t device = 0;
     for (const std::string manual : {"zlac8015d", "yako", "c630s"}) {
         const std::vector<printed> frames = frames_of("tests/manuals/" + manual + "_frames.csv");

@@ -5,9 +5,10 @@
 // mishap at every request, and checks from outside what the library promises. The author of a drive writes a subject,
 // which says what the simulated drive does and how it is seen; device/README.md has one of twenty lines.
 //
-//     sim::conformance<winch_subject> kit{&print};        // print(const sim::finding&)
-//     const sim::played all = kit.singles();              // every mishap at every request of every command
-//     if (all.findings != 0) return 1;
+//     template <class Subject> bool is_right(void (*print)(void*, const sim::finding&)) {
+//         sim::conformance<Subject> kit{print};
+//         return kit.singles().findings == 0; // every mishap at every request of every command
+//     }
 #pragma once
 
 #include <array>
@@ -18,45 +19,12 @@
 #include <servobus/control/motor_drive.hpp>
 #include <servobus/sim/conformance/expected.hpp>
 #include <servobus/sim/conformance/finding.hpp>
+#include <servobus/sim/conformance/judge.hpp>
 #include <servobus/sim/conformance/mishap.hpp>
+#include <servobus/sim/conformance/subject.hpp>
 #include <servobus/sim/conformance/trial.hpp>
 
 namespace servobus::sim {
-
-namespace detail {
-struct any_command_of_a_subject {
-    template <class Enable, class Command>
-    void operator()(const char*, const Enable&, const Command&, const expected&) const {}
-};
-} // namespace detail
-
-/// What the author of a drive says to the kit. All of it is needed: what a drive cannot do is a function that does
-/// nothing, and is said so by a constant.
-template <class S>
-concept conformance_subject = requires(typename S::machine& m, const typename S::machine& seen,
-                                       detail::any_command_of_a_subject each) {
-    { S::address } -> std::convertible_to<std::uint8_t>;
-    { S::baud } -> std::convertible_to<std::uint32_t>;
-    { S::readings } -> std::convertible_to<unsigned>;      // interpretations of the manual, at least 1
-    { S::tolerance } -> std::convertible_to<std::int64_t>; // of a place, in its counts
-    { S::restart_is_seen(0u) } -> std::same_as<restart_shows>;
-    { S::energises_by_reset } -> std::convertible_to<bool>; // a fault reset may
-    {
-        S::energises_by_level
-        } -> std::convertible_to<bool>; // so may a stop that meets a drive that has restarted
-    {S::make(0u)};
-    { S::is_energised(seen) } -> std::same_as<bool>;
-    { S::is_turning(seen) } -> std::same_as<bool>;
-    { S::place(seen) } -> std::convertible_to<std::int64_t>;
-    { S::starts(seen) } -> std::convertible_to<std::uint32_t>; // moves that it has begun
-    S::restart(m);
-    S::have_fault(m);
-    S::end_fault(m);
-    S::press_stop(m);
-    S::release_stop(m);
-    S::write_by_another(m);
-    S::commands(each); // each(name, how it is enabled, command, expected)
-};
 
 /// What was played.
 struct played {
@@ -65,16 +33,22 @@ struct played {
     std::uint32_t happened[sizeof all_mishaps / sizeof *all_mishaps + 1]{}; ///< by mishap
 };
 
-template <class Subject> class conformance {
+template <class Subject> class conformance : conformance_judge<Subject> {
     static_assert(conformance_subject<Subject>, "the subject lacks something: see sim::conformance_subject");
-    using trial_type = trial<Subject>;
-    using drive_type = typename trial_type::drive_type;
-    static_assert(motor_drive<drive_type>, "the kit judges a motor_drive");
+    using base = conformance_judge<Subject>;
+    using base::broken;
+    using base::goal_;
+    using base::goal_known_;
+    using base::now_;
+    using base::was_enabled_;
+    using typename base::trial_type;
+    static_assert(motor_drive<typename base::drive_type>, "the kit judges a motor_drive");
 
   public:
-    using report = void (*)(void* context, const finding&);
+    /// Each broken promise is reported to it.
+    using typename base::report;
 
-    explicit conformance(report to, void* context = nullptr) : report_{to}, context_{context} {}
+    explicit conformance(report to, void* context = nullptr) : base{to, context} {}
 
     /// Every mishap at every request of every command, each interpretation of the manual alone. Of equal requests in a
     /// row, as in a wait, the first, the second and the last.
@@ -107,6 +81,16 @@ template <class Subject> class conformance {
             const planned_mishap first = any(0);
             (void)play(c, reading, first, any(first.request));
         }
+        return played_;
+    }
+
+    /// One run, whose command and mishaps are taken from bytes: for a fuzzer. Fewer than six bytes play nothing.
+    played from(bytes chosen) {
+        if (chosen.size() < 6) return played_;
+        constexpr std::size_t mishaps = sizeof all_mishaps / sizeof *all_mishaps;
+        const planned_mishap first{all_mishaps[chosen[2] % mishaps], chosen[3] % 32u};
+        const planned_mishap second{all_mishaps[chosen[4] % mishaps], first.request + chosen[5] % 32u};
+        (void)play(chosen[0] % cases(), chosen[1] % Subject::readings, first, second);
         return played_;
     }
 
@@ -166,14 +150,12 @@ template <class Subject> class conformance {
 
     unsigned play(unsigned which, unsigned reading, planned_mishap first, planned_mishap second) {
         trial_type t{reading};
-        now_ = {.command = "", .reading = reading, .first = first, .second = second};
-        trial_ = &t;
-        reported_ = nullptr;
+        base::begin(t, reading, first, second);
         ++played_.runs;
-        goal_known_ = false;
         if (which == first_own && first.what == mishap::none) judge_unknown(t);
         if (!Subject::take_over(t.drive(), t.machine())) {
             broken("kit", "the drive cannot be taken over on an undisturbed line");
+            played_.findings = base::findings();
             return 0;
         }
         switch (which) {
@@ -234,7 +216,7 @@ template <class Subject> class conformance {
             break;
         default: play_own(t, which - first_own);
         }
-        trial_ = nullptr;
+        played_.findings = base::findings();
         for (const mishap m : all_mishaps)
             played_.happened[static_cast<unsigned>(m)] += t.has_happened(m) ? 1u : 0u;
         return requests_;
@@ -324,8 +306,8 @@ template <class Subject> class conformance {
         const routine_status& r = t.drive().last();
         const bool is_replaced = r.error() == errc::preempted || t.has_happened(mishap::program_halts) ||
                                  t.has_happened(mishap::program_disables);
-        if (now_.first.what == mishap::none && !r) broken("G29", "the command fails on an undisturbed line");
-        if (r && !is_replaced) judge_done(t, wanted, does);
+        if (base::is_undisturbed() && !r) broken("G29", "the command fails on an undisturbed line");
+        if (r && !is_replaced) base::judge_done(t, wanted, does);
         // A stop of the facade itself follows a fault, a restart and a stall.
         const bool is_followed =
             t.has_happened(mishap::fault) || t.has_restarted() || t.has_happened(mishap::program_stalls);
@@ -335,145 +317,11 @@ template <class Subject> class conformance {
             goal_ = goal;
             goal_known_ = true;
         }
-        judge_later(t, wanted, does);
+        base::judge_later(t, wanted, does);
     }
 
-    // The command has ended well: the drive was at some time since the last request as it says.
-    template <class Command> void judge_done(trial_type& t, const Command&, const expected& does) {
-        constexpr bool is_init = std::is_same_v<Command, init>;
-        if constexpr (std::is_same_v<Command, enable>) {
-            if (!t.was_energised()) broken("G35", "enable is reported done, and the motor is not energised");
-        }
-        if constexpr (std::is_same_v<Command, disable>) {
-            if (!t.was_off()) broken("G26", "disable is reported done, and the motor is energised");
-        }
-        if constexpr (is_init || std::is_same_v<Command, disable> || std::is_same_v<Command, halt> ||
-                      std::is_same_v<Command, quick_stop> || std::is_same_v<Command, wait_standstill>) {
-            if (!t.stood())
-                broken("G26", "a stop, or a wait for standstill, is reported done, and the motor turns");
-        }
-        if constexpr (std::is_same_v<Command, wait_reached>) {
-            if (goal_known_ && !t.was_at(goal_))
-                broken("G34", "the move is reported to have reached its target, and the motor is elsewhere");
-        }
-        if (does.what == expected::kind::turns) {
-            // A motor takes time to turn.
-            const bool is_undisturbed = now_.first.what == mishap::none;
-            for (int i = 0; i < 35 && is_undisturbed && !t.is_turning(); ++i) t.live(milliseconds(10));
-            if (is_undisturbed && !t.turned())
-                broken("G35", "a motion is reported done, and the motor stands");
-        }
-    }
-
-    // A while afterwards, on a sound line, and once the drive is taken over again.
-    template <class Command> void judge_later(trial_type& t, const Command&, const expected& does) {
-        using named = std::remove_cvref_t<Command>;
-        constexpr bool is_init = std::is_same_v<named, init>;
-        constexpr bool is_enable = requires { typename std::enable_if_t<std::is_same_v<named, enable>>; };
-        constexpr bool may_energise_by_reset =
-            std::is_same_v<named, fault_reset> && Subject::energises_by_reset;
-        drive_type& d = t.drive();
-        for (unsigned ms = 0; ms < 1'500; ms += 50) {
-            t.live(milliseconds(50));
-            judge_arrival(t);
-        }
-        const bool is_foreign = t.has_happened(mishap::foreign_write);
-        if (!is_foreign) {
-            const bool by_level = Subject::energises_by_level && t.has_restarted();
-            const unsigned allowed = is_enable || may_energise_by_reset || by_level ? 1u : 0u;
-            if (t.energised() > allowed) broken("S1", "the motor was energised, which was not commanded");
-            if (by_level && !is_enable && t.energised() != 0 && t.is_energised())
-                broken("S5", "a stop has energised a drive that had restarted, and it stays energised");
-        }
-        const bool is_blind = does.hides_restart && t.has_restarted();
-        if (!does.is_motion() && !is_foreign && !is_blind && !t.was_turning() &&
-            (t.most() - t.begun_at() > Subject::tolerance || t.begun_at() - t.least() > Subject::tolerance))
-            broken("S1", "the motor has moved, which was not commanded");
-        // Without power a motor rolls on, and a halt near the target has a ramp of its own.
-        const bool has_power = !t.has_happened(mishap::program_halts) && !t.has_happened(mishap::fault) &&
-                               !t.has_restarted() && !t.has_happened(mishap::stop_input) &&
-                               !t.has_happened(mishap::program_disables) &&
-                               !t.has_happened(mishap::program_stalls);
-        if (does.what == expected::kind::moves_by && has_power) {
-            const std::int64_t low = does.where < 0 ? t.begun_at() + does.where : t.begun_at();
-            const std::int64_t high = does.where < 0 ? t.begun_at() : t.begun_at() + does.where;
-            if (t.least() < low - Subject::tolerance || t.most() > high + Subject::tolerance)
-                broken("G15", "a move by a way went farther than its way");
-        }
-        if (now_.first.what == mishap::none) {
-            if (is_enable && d.state() != drive_state::enabled)
-                broken("G35", "enable is done on an undisturbed line, and the state is another one");
-            if (std::is_same_v<named, disable> && d.state() != drive_state::disabled)
-                broken("G35", "disable is done on an undisturbed line, and the state is another one");
-        }
-        if (d.state() == drive_state::enabled && !t.is_energised())
-            broken("G35", "the drive is not energised, its feedback is read, and the state is enabled");
-        if (d.state() == drive_state::disabled && t.is_energised() && !is_foreign)
-            broken("G35", "the drive is energised, its feedback is read, and the state is disabled");
-        if (t.has_happened(mishap::fault) && d.state() == drive_state::enabled)
-            broken("G35", "the drive has a fault, its feedback is read, and the state is enabled");
-        const restart_shows shows = Subject::restart_is_seen(now_.reading);
-        const bool can_be_seen = shows == restart_shows::always ||
-                                 (shows == restart_shows::while_enabled && was_enabled_ && !is_enable);
-        if (can_be_seen && !is_blind && t.has_restarted() && !is_init && d.state() == drive_state::enabled)
-            broken("G21", "the drive has restarted, and the state is enabled as before");
-        for (int i = 0; i < 200 && t.is_turning(); ++i) t.live(milliseconds(100));
-        if (t.is_turning() && !is_foreign && !does.is_move())
-            broken("G20", "the motor turns on after the command timeout, or after a stop");
-        recover(t);
-    }
-    void judge_arrival(trial_type& t) {
-        if (t.drive().arrival().how != arrival_state::reached) return;
-        if (!goal_known_) return;
-        if (!t.was_at(goal_))
-            broken("G34", "arrival() is reached, and the motor is not at the target of the newest move");
-    }
-
-    void recover(trial_type& t) {
-        t.heal();
-        if (!t.finish()) {
-            broken("G29", "the command that the program began meanwhile does not end");
-            return;
-        }
-        if (!t.run(init{})) {
-            broken("G28", "init fails on a sound line");
-            return;
-        }
-        if (t.drive().state() == drive_state::faulted) {
-            if (!t.run(fault_reset{})) broken("G28", "a fault whose cause has ended cannot be reset");
-        }
-        if (t.is_turning()) broken("S1", "init is done, and the motor turns");
-        if (!t.run(disable{})) broken("G28", "disable fails on a sound line");
-        if (t.is_energised()) broken("G26", "disable is done on a sound line, and the motor is energised");
-        if (!t.run(enable{})) {
-            broken("G28", "enable fails on a sound line after init");
-            return;
-        }
-        if (!t.is_energised())
-            broken("G35", "enable is done on a sound line, and the motor is not energised");
-    }
-
-    // The same is reported once in a run.
-    void broken(const char* promise, const char* what) {
-        if (reported_ == what) return;
-        reported_ = what;
-        ++played_.findings;
-        finding f = now_;
-        f.promise = promise;
-        f.what = what;
-        if (trial_ != nullptr) f.trace = trial_->trace();
-        if (report_ != nullptr) report_(context_, f);
-    }
-    report report_;
-    void* context_;
     played played_{};
-    finding now_{};
-    trial_type* trial_ = nullptr;
-    expected does_{};
-    std::int64_t goal_ = 0;
-    bool goal_known_ = false;
-    bool was_enabled_ = false;
-    const char* reported_ = nullptr;
+    expected does_{};                  // the command that is played next
     unsigned requests_ = 0;            // of the command that was played last
     std::array<bool, 400> repeated_{}; // those of its requests that need no mishap of their own
 };

@@ -32,13 +32,13 @@ plain_row random_row(std::mt19937& random) {
     r.of = static_cast<table>(below(4));
     const bool is_bit = r.of <= table::discrete_inputs;
     const bool is_input = r.of == table::discrete_inputs || r.of == table::input_registers;
-    r.rights = is_input ? access::ro : static_cast<access>(below(3));
+    r.rights = is_input ? servobus::access::ro : static_cast<servobus::access>(below(3));
     r.is_pair = !is_bit && below(3) == 0;
     r.in = is_bit ? pool::bits : r.is_pair ? pool::wide : pool::narrow;
     // Near both ends of the address space: tables follow each other there.
     const unsigned at = below(60);
     r.address = static_cast<u16>(at < 30 ? at : 0xFFFFu - (r.is_pair ? 1 : 0) - (at - 30));
-    if (r.rights == access::ro && below(8) == 0) r.in = pool::functions;
+    if (r.rights == servobus::access::ro && below(8) == 0) r.in = pool::functions;
     r.initial = below(1'000'000); // tells the rows apart
     return r;
 }
@@ -63,12 +63,12 @@ void check_slots(const detail::row_list<N>& list, const std::vector<plain_row>& 
     for (std::size_t i = 0; i < N; ++i) {
         const plain_row& r = list.rows[i];
         REQUIRE(r.initial == pack[i].initial); // the order of the pack
-        const bool is_new = slots.emplace(std::pair{r.in, unsigned{r.slot}}, r.rights != access::ro).second;
+        const bool is_new = slots.emplace(std::pair{r.in, unsigned{r.slot}}, r.rights != servobus::access::ro).second;
         REQUIRE(is_new);
         // Those of the same kind keep the order of the pack.
         for (std::size_t j = 0; j < i; ++j) {
             const plain_row& before = list.rows[j];
-            if (before.in == r.in && (before.rights == access::ro) == (r.rights == access::ro))
+            if (before.in == r.in && (before.rights == servobus::access::ro) == (r.rights == servobus::access::ro))
                 REQUIRE(before.slot < r.slot);
         }
     }

@@ -6,7 +6,7 @@
 // 3. The manual does not list what the codes 1..5 mean [errata A36], so all have one advice.
 //
 //     const result<yako::closed_loop::feedback> seen = axis.read();
-//     if (seen && seen->any_fault()) std::puts(yako::advice_for(seen->state).reset); // or by the code, seen->error
+//     if (seen && seen->has_fault()) std::puts(yako::advice_for(seen->state).reset); // or by the code, seen->error
 #pragma once
 
 #include <cstdint>

@@ -3,6 +3,12 @@
 //
 // A simulated drive to which something may happen before or after it carries out a request. sim/conformance/trial.hpp
 // connects it to the line.
+//
+//     struct counter { // an observer that only counts
+//         unsigned requests = 0;
+//         std::uint8_t before() { return ++requests, std::uint8_t{0}; }
+//         void after() {}
+//     };
 #pragma once
 
 #include <cstdint>

@@ -3,6 +3,11 @@
 //
 // One run of a command on a virtual line: the facade, the simulated drive, up to two mishaps, and what is seen of the
 // drive from outside. sim/conformance.hpp makes the runs and judges them.
+//
+//     template <class Subject> bool can_be_enabled() {
+//         sim::trial<Subject> t{0};
+//         return t.run(init{}) && t.run(enable{}) && t.is_energised();
+//     }
 #pragma once
 
 #include <array>
