@@ -205,6 +205,7 @@ int main() {
     (void)drive.write<zlac::left_rated_current>(1500 * units::milliampere);
     (void)drive.write<zlac::left_rated_current>(1500 * units::milliampere);
     (void)drive.write<zlac::left_rated_current>(15 * units::ampere);
+    (void)drive.write<zlac::left_max_current>(125 * servobus::part<10>(units::ampere));
     (void)drive.write<zlac::left_target_speed>(raw(100));
     (void)drive.write<zlac::control_word>(zlac::control_code::enable);
     (void)drive.write<zlac::control_word>(zlac::control_code::enable);

@@ -78,7 +78,10 @@ template <const auto& R, class V> constexpr counted count_of(V value) {
     using namespace detail;
     using T = typename row_type<R>::value_type;
     static_assert(!is_bool_or_character<V>, "a bool or a character is no number: give an integer");
-    if constexpr (is_quantity<V>::value) {
+    if constexpr (std::same_as<V, unit>) {
+        static_assert(!std::same_as<V, unit>, "a unit is no value: 12.5 V is 125 * part<10>(volt)");
+        return {};
+    } else if constexpr (is_quantity<V>::value) {
         static_assert(!has(R.flags, flag::scaled_elsewhere),
                       "another register rescales this one: write it through the drive, or by raw()");
         static_assert(same_kind(V::unit_of_count, R.unit_of_count),

@@ -300,6 +300,15 @@ template <unit U, std::integral Rep = std::int32_t> class quantity {
     Rep count_{};
 };
 
+/// Does not compile: the count would be rounded.
+template <unit U, std::integral Rep, std::integral N>
+constexpr quantity<U, Rep> operator/(quantity<U, Rep> whole, N) {
+    static_assert(
+        sizeof(N) == 0,
+        "a quantity is a whole number of its unit and is not divided: 12.5 V is 125 * part<10>(volt)");
+    return whole;
+}
+
 /// A unit as a type, so that `30 * r_per_min` is a quantity of that unit.
 template <unit U> struct unit_constant {
     static constexpr unit value = U;
