@@ -27,6 +27,7 @@ inline constexpr servobus::reg<servobus::i16, access::rw, device> depth{0x0005, 
 inline constexpr servobus::reg<servobus::u32, access::rw, device> wide{0x0020, full<servobus::u32>, no_unit,
                                                                        0};
 inline constexpr servobus::reg_array<servobus::input_reg<u16, device>, 4> sensors{level, 1};
+inline constexpr servobus::reg_array<servobus::coil<access::rw, device>, 4> lamps{{0x0020}, 1};
 } // namespace basin
 
 struct some_basin : servobus::client<servobus::line<some_port>, basin::device> {

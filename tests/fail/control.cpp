@@ -269,7 +269,10 @@ int main() {
     (void)io.store<basin::night_light>(true);
     bool is_open = true;
     (void)io.write<basin::valve>(is_open);
-    servobus::stepped_read_words<some_basin, 2> sensor{io};
+    (void)io.broadcast<basin::valve, basin::pump>(true, false);
+    (void)io.store<basin::lamps>(2, true);
+    (void)io.read<basin::sensors>(2);
+    servobus::stepped_read<some_basin, basin::sensors> sensor{io};
     servobus::stepped_change_bits<some_basin, basin::options, 0x0003> bits{io};
     (void)bits.begin(1);
     servobus::stepped_store<some_basin, basin::night_light> light{io};

@@ -98,20 +98,28 @@ class client : public raw_client<Line, Device, Node> {
     requires is_bit<R>
     constexpr result<bool> read() { return other::template read_bit<R>(*this); }
 
-    /// Reads element `index` of an array of registers. Errors: as `read<R>()`; `bad_argument` if there is no
+    /// Reads element `index` of an array of registers, coils or inputs. Errors: as `read<R>()`; `bad_argument` if there is no
     /// such element.
     template <const auto& Rows>
     requires is_register_array<Rows>
     constexpr result<reading<at<Rows, 0>>> read(std::size_t index) {
         using rows = row_type<Rows>;
         static_assert(rows::rights != access::wo, "this register is write-only");
-        static_assert(!detail::is_in_other_table<Rows>,
-                      "an array of input registers is read by read_words()");
         check_row<Rows>();
         if (index >= rows::size) return errc::bad_argument;
-        const result<u32> bits = read_bits<rows::words>(Rows[index].address);
-        if (!bits) return bits.status();
-        return reading_of<at<Rows, 0>>(*bits);
+        if constexpr (detail::is_in_other_table<Rows>)
+            return other::template read_element<Rows>(*this, index);
+        else
+            return read_at<at<Rows, 0>>(Rows[index].address);
+    }
+
+    /// Does not compile: an array has no value of its own.
+    template <const auto& Rows>
+    requires is_register_array<Rows>
+    constexpr status read() {
+        static_assert(!is_register_array<Rows>,
+                      "an array is read by the element: read<rows>(i), or read<at<rows, 0>, at<rows, 1>>()");
+        return {};
     }
 
     /// Reads several rows in the fewest requests for each table, never across an address that is not named; `get<R>`
@@ -134,12 +142,16 @@ class client : public raw_client<Line, Device, Node> {
         return put<R>(value);
     }
 
-    /// Writes element `index` of an array of registers; the `register_value` of element 0 has the rules for all.
+    /// Writes element `index` of an array of registers or coils; the `register_value` of element 0 has the rules for all.
     template <const auto& Rows>
     requires is_register_array<Rows>
     constexpr status write(std::size_t index, register_value<at<Rows, 0>> value) {
-        check_wear<at<Rows, 0>>();
-        return put<Rows>(index, value);
+        if constexpr (detail::has_bits<Rows>) {
+            return other::template write_element<Rows, false>(*this, index, value);
+        } else {
+            check_wear<at<Rows, 0>>();
+            return put<Rows>(index, value);
+        }
     }
 
     /// Writes one coil, function 05: true or false. The response to it may be an echo, as that to function 06; then the
@@ -154,7 +166,7 @@ class client : public raw_client<Line, Device, Node> {
     template <const auto&... Rs>
     requires(sizeof...(Rs) > 1) [[gnu::always_inline]] constexpr status write(register_value<Rs>... values) {
         if constexpr ((is_bit<Rs> || ...)) {
-            return other::template write_coils<false, Rs...>(*this, values...);
+            return other::template write_coils<false, false, Rs...>(*this, values...);
         } else {
             (check_wear<Rs>(), ...);
             return write_block<Rs...>(values...);
@@ -181,12 +193,15 @@ class client : public raw_client<Line, Device, Node> {
     template <const auto& Rows>
     requires is_register_array<Rows>
     constexpr status store(std::size_t index, register_value<at<Rows, 0>> value) {
-        return put<Rows>(index, value);
+        if constexpr (detail::has_bits<Rows>)
+            return other::template write_element<Rows, true>(*this, index, value);
+        else
+            return put<Rows>(index, value);
     }
     template <const auto&... Rs>
     requires(sizeof...(Rs) > 1) constexpr status store(register_value<Rs>... values) {
         if constexpr ((is_bit<Rs> || ...))
-            return other::template write_coils<true, Rs...>(*this, values...);
+            return other::template write_coils<true, false, Rs...>(*this, values...);
         else
             return write_block<Rs...>(values...);
     }
@@ -231,6 +246,20 @@ class client : public raw_client<Line, Device, Node> {
     template <const auto& R>
     requires is_register<R>
     constexpr status store_if_different(register_value<R> value) { return put_if_different<R>(value); }
+    /// Not of a coil: a write of an equal value changes nothing, and takes no longer than the read.
+    template <const auto& R>
+    requires is_bit<R>
+    constexpr status write_if_different(register_value<R>) {
+        static_assert(!is_bit<R>,
+                      "write_if_different is for registers: write() the coil, or read() it first");
+        return {};
+    }
+    template <const auto& R>
+    requires is_bit<R>
+    constexpr status store_if_different(register_value<R>) {
+        static_assert(!is_bit<R>, "store_if_different is for registers: read() the coil, then store() it");
+        return {};
+    }
 
     /// Reads the word order of 32-bit values, which can be read and written from then on. The word order becomes
     /// stale when a request to the drive gets no valid response on this line, or when any client of the line writes
@@ -266,6 +295,12 @@ class client : public raw_client<Line, Device, Node> {
     constexpr status broadcast(register_value<R> value) {
         return other::template write_coil<R, true>(*this, value);
     }
+    /// The same for adjacent coils, in one frame.
+    template <const auto&... Rs>
+    requires(sizeof...(Rs) > 1) constexpr status broadcast(register_value<Rs>... values) {
+        static_assert((is_bit<Rs> && ...), "a broadcast has one register, or adjacent coils");
+        return other::template write_coils<false, true, Rs...>(*this, values...);
+    }
 
   private:
     template <const auto& R> static constexpr void check_row() {
@@ -294,6 +329,7 @@ class client : public raw_client<Line, Device, Node> {
     template <const auto& Rows>
     constexpr status put(std::size_t index, register_value<at<Rows, 0>> value, const condition& on = {}) {
         using rows = row_type<Rows>;
+        static_assert(!detail::has_bits<Rows>, "a coil is written or stored without a token");
         check_row<Rows>();
         if (index >= rows::size) return errc::bad_argument;
         if (value.error() != errc::ok) return value.error();

@@ -76,10 +76,10 @@ constexpr status store_if_different(client<Line, Device, Node>& c, register_valu
     return c.template store_if_different<R>(value);
 }
 
-/// `c.broadcast<R>(value)`
-template <const auto& R, class Line, class Device, class Node>
-constexpr status broadcast(client<Line, Device, Node>& c, register_value<R> value) {
-    return c.template broadcast<R>(value);
+/// `c.broadcast<Rs...>(values...)`
+template <const auto&... Rs, class Line, class Device, class Node>
+constexpr status broadcast(client<Line, Device, Node>& c, register_value<Rs>... values) {
+    return c.template broadcast<Rs...>(values...);
 }
 
 } // namespace servobus

@@ -59,15 +59,13 @@ requires(is_register<R> && !detail::is_in_other_table<R>) class stepped_read<Cli
 
 /// Reads one element of an array of registers.
 template <class Client, const auto& Rows>
-requires is_register_array<Rows>
-class stepped_read<Client, Rows> : public detail::stepped_request<typename Client::link_type> {
+requires(is_register_array<Rows> && !detail::is_in_other_table<Rows>) class stepped_read<Client, Rows>
+    : public detail::stepped_request<typename Client::link_type> {
     using base = detail::stepped_request<typename Client::link_type>;
     using rows = row_type<Rows>;
     static_assert(belongs_to<typename rows::device, typename Client::device>,
                   "this register belongs to another device");
     static_assert(rows::rights != access::wo, "this register is write-only");
-    static_assert(!detail::is_in_other_table<Rows>,
-                  "an array of input registers is read by stepped_read_words");
 
   public:
     constexpr explicit stepped_read(Client& of) : base{base::link_of(of)} {}

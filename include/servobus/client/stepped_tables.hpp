@@ -20,23 +20,16 @@
 
 namespace servobus {
 
-/// Reads one coil, discrete input or input register.
+namespace detail {
+/// The base of a read of `R`, or of an element of an array that is like `R`.
 template <class Client, const auto& R>
-requires(detail::is_in_other_table<R> && !is_register_array<R>) class stepped_read<Client, R>
-    : public detail::stepped_table_request<typename Client::link_type> {
-    using base = detail::stepped_table_request<typename Client::link_type>;
+class stepped_read_one : public stepped_table_request<typename Client::link_type> {
+    using base = stepped_table_request<typename Client::link_type>;
     using one = readings<R>;
     static_assert(belongs_to<typename row_type<R>::device, typename Client::device>,
                   "this register belongs to another device");
 
   public:
-    constexpr explicit stepped_read(Client& of) : base{base::link_of(of)} {}
-
-    constexpr errc begin() { ///< as of a register
-        if (!base::done()) return errc::busy;
-        if (const errc why = base::order_known_if(one::has_pairs); why != errc::ok) return base::refused(why);
-        return base::begin_part(frame_, one::plan.requests[0]);
-    }
     constexpr duration step() {
         return base::template move_on<detail::call_of::tables>(frame_);
     } ///< as of a register
@@ -50,8 +43,51 @@ requires(detail::is_in_other_table<R> && !is_register_array<R>) class stepped_re
         return read.template get<R>();
     }
 
+  protected:
+    constexpr explicit stepped_read_one(Client& of) : base{base::link_of(of)} {}
+
+    constexpr errc begin_part(const table_extent& part) {
+        if (const errc why = base::order_known_if(one::has_pairs); why != errc::ok) return base::refused(why);
+        return base::begin_part(frame_, part);
+    }
+
   private:
     std::uint8_t frame_[base::part_room(one::plan.longest_response)];
+};
+} // namespace detail
+
+/// Reads one coil, discrete input or input register.
+template <class Client, const auto& R>
+requires(detail::is_in_other_table<R> && !is_register_array<R>) class stepped_read<Client, R>
+    : public detail::stepped_read_one<Client, R> {
+    using base = detail::stepped_read_one<Client, R>;
+
+  public:
+    constexpr explicit stepped_read(Client& of) : base{of} {}
+
+    constexpr errc begin() { ///< as of a register
+        if (!base::done()) return errc::busy;
+        return base::begin_part(readings<R>::plan.requests[0]);
+    }
+};
+
+/// Reads one element of an array of coils, discrete inputs or input registers.
+template <class Client, const auto& Rows>
+requires(detail::is_in_other_table<Rows>&& is_register_array<Rows>) class stepped_read<Client, Rows>
+    : public detail::stepped_read_one<Client, at<Rows, 0>> {
+    using base = detail::stepped_read_one<Client, at<Rows, 0>>;
+
+  public:
+    constexpr explicit stepped_read(Client& of) : base{of} {}
+
+    /// Begins to read element `index`. Errors: as of a register; `bad_argument` if there is none.
+    constexpr errc begin(std::size_t index) {
+        if (!base::done()) return errc::busy;
+        if (index >= row_type<Rows>::size) return base::refused(errc::bad_argument);
+        table_extent part = readings<at<Rows, 0>>::plan.requests[0];
+        part.address = Rows[index].address;
+        return base::begin_part(part);
+    }
 };
 
 /// Reads rows of several tables, or of one, in the fewest requests. If one request fails there is no value at all.
@@ -126,6 +162,29 @@ class stepped_put<Client, Wears, R> : public stepped_table_request<typename Clie
     constexpr errc begin(register_value<R> value) {
         check_coils<typename Client::device, Wears, R>();
         return base::begin_coil(frame_, R.address, value.bits() != 0);
+    }
+    constexpr duration step() {
+        return base::template move_on<call_of::tables>(frame_);
+    } ///< as of one register
+
+  private:
+    std::uint8_t frame_[8];
+};
+
+template <class Client, bool Wears, const auto& Rows>
+requires(is_register_array<Rows>&& has_bits<Rows>) class stepped_put<Client, Wears, Rows>
+    : public stepped_table_request<typename Client::link_type> {
+    using base = stepped_table_request<typename Client::link_type>;
+
+  public:
+    constexpr explicit stepped_put(Client& of) : base{base::link_of(of)} {}
+
+    /// Begins to write element `index`. Errors: as of one coil; `bad_argument` if there is none.
+    constexpr errc begin(std::size_t index, register_value<at<Rows, 0>> value) {
+        check_coils<typename Client::device, Wears, at<Rows, 0>>();
+        if (!base::done()) return errc::busy;
+        if (index >= row_type<Rows>::size) return base::refused(errc::bad_argument);
+        return base::begin_coil(frame_, Rows[index].address, value.bits() != 0);
     }
     constexpr duration step() {
         return base::template move_on<call_of::tables>(frame_);

@@ -65,8 +65,8 @@ class stepped_put<Client, Wears, R> : public stepped_request<typename Client::li
 };
 
 template <class Client, bool Wears, const auto& Rows>
-requires is_register_array<Rows>
-class stepped_put<Client, Wears, Rows> : public stepped_request<typename Client::link_type> {
+requires(is_register_array<Rows> && !has_bits<Rows>) class stepped_put<Client, Wears, Rows>
+    : public stepped_request<typename Client::link_type> {
     using base = stepped_request<typename Client::link_type>;
     using rows = row_type<Rows>;
     static_assert(belongs_to<typename rows::device, typename Client::device>,

@@ -147,14 +147,19 @@ template <class T, access Rights, class Device> constexpr bool is_sound(const re
 }
 } // namespace detail
 
+namespace detail {
+// The addresses that a row takes.
+template <class Row> inline constexpr std::size_t addresses_in = Row::words;
+} // namespace detail
+
 /// `Count` rows that are equal except for their addresses, which are `stride` apart, such as the segments of
-/// a positioning table. `rows[i]` is a row by value; `at<rows, i>` is a row for use as a template argument.
+/// a positioning table or the coils of a relay module. `rows[i]` is a row by value; `at<rows, i>` is a row for use as a template argument.
 template <class Row, std::size_t Count> struct reg_array {
     using row = Row;
     using value_type = typename Row::value_type;
     using device = typename Row::device;
     static constexpr access rights = Row::rights;
-    static constexpr std::size_t words = Row::words;
+    static constexpr std::size_t words = detail::addresses_in<Row>; ///< of a coil or an input: 1
     static constexpr std::size_t size = Count;
 
     Row first;
@@ -207,23 +212,25 @@ inline constexpr table table_of_row<reg_array<Row, N>> = table_of_row<Row>;
 template <const auto& R>
 concept is_in_other_table = table_of_row<std::remove_cvref_t<decltype(R)>>
 != table::holding_registers;
+// Of a row or of an array of rows.
+template <const auto& R>
+concept has_bits = table_of_row<std::remove_cvref_t<decltype(R)>>
+<= table::discrete_inputs;
 } // namespace detail
 
 /// The table of row `R`, or of an array of rows. A `reg` is a holding register; registers/tables.hpp has the others.
 template <const auto& R>
 inline constexpr table table_of = detail::table_of_row<std::remove_cvref_t<decltype(R)>>;
 
-/// True if `R` is a coil or a discrete input.
-template <const auto& R>
-concept is_bit = table_of<R>
-<= table::discrete_inputs;
-
 /// True if `R` is a row of registers.
 template <const auto& R>
 concept is_register = detail::is_row<std::remove_cvref_t<decltype(R)>>::value;
-/// True if `R` is an array of rows.
+/// True if `R` is an array of rows, of any table.
 template <const auto& R>
 concept is_register_array = detail::is_row_array<std::remove_cvref_t<decltype(R)>>::value;
+/// True if `R` is a coil or a discrete input.
+template <const auto& R>
+concept is_bit = detail::has_bits<R> && !is_register_array<R>;
 
 /// Element `I` of an array of rows, counted from 0, as a row for use as a template argument.
 template <const auto& Rows, std::size_t I>

@@ -7,7 +7,7 @@
 //     struct tank; // the device
 //     constexpr input_reg<i16, tank> temperature{0x0000, full<i16>, units::degree_celsius / 10, no_default};
 //     constexpr coil<access::rw, tank> valve{0x0003};
-//     constexpr discrete_input<tank> is_door_open{0x0000};
+//     constexpr reg_array<discrete_input<tank>, 8> is_door_open{{0x0000}, 1}; // 0 .. 7
 //     static_assert(table_of<valve> == table::coils && !is_register<valve>);
 //
 // Source: Modbus Application Protocol V1.1b3, section 4.3.
@@ -53,8 +53,11 @@ template <class T, class D> inline constexpr table table_of_row<input_reg<T, D>>
 template <access A, class D> inline constexpr table table_of_row<coil<A, D>> = table::coils;
 template <class D> inline constexpr table table_of_row<discrete_input<D>> = table::discrete_inputs;
 
+template <access A, class D> inline constexpr std::size_t addresses_in<coil<A, D>> = 1;
+template <class D> inline constexpr std::size_t addresses_in<discrete_input<D>> = 1;
+
 template <const auto& R>
-requires is_bit<R>
+requires has_bits<R>
 struct sound_row<R> {
     using type = std::remove_cvref_t<decltype(R)>;
 }; // no address of a bit contradicts its type

@@ -39,8 +39,7 @@ struct stored_type<R> {
     using type = stored_value<R>;
 };
 template <const auto& R>
-requires is_register_array<R>
-struct stored_type<R> {
+requires(is_register_array<R> && !has_bits<R>) struct stored_type<R> {
     using type = stored_value<at<R, 0>>;
 };
 template <const auto& R> using stored = typename stored_type<R>::type;
@@ -95,15 +94,21 @@ template <const auto&... Rows> class row_values {
         static_assert(std::is_same_v<V, bool>, "a coil or an input is set to true or false, not to a number");
         store<R>(0, on ? 1 : 0);
     }
+    /// Sets element `i` of an array of coils or discrete inputs. `i` is below its size.
+    template <const auto& R, class V>
+    requires(is_register_array<R>&& detail::has_bits<R>) constexpr void set(std::size_t i, V on) {
+        static_assert(std::is_same_v<V, bool>, "a coil or an input is set to true or false, not to a number");
+        store<R>(element<R>(i), on ? 1 : 0);
+    }
 
-    /// Sets element `i` of an array of rows. `i` is below its size.
+    /// Sets element `i` of an array of registers. `i` is below its size.
     template <const auto& R>
     requires is_register_array<R>
     constexpr void set(std::size_t i, detail::stored<R> value) { store<R>(element<R>(i), value.bits()); }
     /// The same for a value that may be out of range. Errors: `out_of_range`, `inexact`.
     template <const auto& R, class V>
-    requires is_register_array<R>
-    [[nodiscard]] constexpr errc set(std::size_t i, checked_value<V> v) {
+    requires(is_register_array<R> && !detail::has_bits<R>) [[nodiscard]] constexpr errc
+        set(std::size_t i, checked_value<V> v) {
         return set_checked<R, at<R, 0>>(element<R>(i), v);
     }
 

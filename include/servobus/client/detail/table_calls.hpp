@@ -24,7 +24,9 @@ template <class Line, device_class Device, class Node> struct table_calls<client
     template <const auto& R> static constexpr result<bool> read_bit(own& of) {
         check_device<Device, R>();
         static_assert(row_type<R>::rights != access::wo, "this coil is write-only");
-        const table_extent& one = only_request<R>;
+        return bit_of(of, only_request<R>);
+    }
+    static constexpr result<bool> bit_of(own& of, const table_extent& one) {
         std::uint8_t frame[6];
         const status why = read_part(of, one, frame, sizeof frame);
         if (why.error() != errc::ok) return why;
@@ -36,6 +38,26 @@ template <class Line, device_class Device, class Node> struct table_calls<client
         const result<readings<R>> one = read_rows<R>(of);
         if (!one) return one.status();
         return one->template get<R>();
+    }
+    /// Element `index` of an array of coils or inputs, which is below its size.
+    template <const auto& Rows>
+    static constexpr result<reading<at<Rows, 0>>> read_element(own& of, std::size_t index) {
+        constexpr std::size_t words = row_type<Rows>::words;
+        const table_extent one{table_of<Rows>, Rows[index].address, static_cast<u16>(words), 0};
+        if constexpr (has_bits<Rows>) {
+            return bit_of(of, one);
+        } else {
+            if (words == 2 && of.current_word_order() == word_order::unknown) return errc::needs_word_order;
+            std::uint8_t frame[5 + 2 * words];
+            if (const status why = read_part(of, one, frame, sizeof frame); !why) return why;
+            if constexpr (words == 1) {
+                return reading_of<at<Rows, 0>>(load_word(frame, 3));
+            } else {
+                const word_order order = of.current_word_order(); // stale if an attempt had no response
+                if (order == word_order::unknown) return errc::needs_word_order;
+                return reading_of<at<Rows, 0>>(join_words(load_word(frame, 3), load_word(frame, 5), order));
+            }
+        }
     }
     /// Rows of any tables. If one request fails there is no value at all.
     template <const auto&... Rs> static constexpr result<readings<Rs...>> read_rows(own& of) {
@@ -84,13 +106,20 @@ template <class Line, device_class Device, class Node> struct table_calls<client
         check_coils<Device, Wears, R>();
         return write_bit<IsBroadcast>(of, R.address, value.bits() != 0);
     }
-    template <bool Wears, const auto&... Rs>
+    template <const auto& Rows, bool Wears>
+    static constexpr status write_element(own& of, std::size_t index,
+                                          const register_value<at<Rows, 0>>& value) {
+        check_coils<Device, Wears, at<Rows, 0>>();
+        if (index >= row_type<Rows>::size) return errc::bad_argument;
+        return write_bit(of, Rows[index].address, value.bits() != 0);
+    }
+    template <bool Wears, bool IsBroadcast, const auto&... Rs>
     static constexpr status write_coils(own& of, const register_value<Rs>&... values) {
         using plan = coils_plan<Device, Rs...>;
         check_coils<Device, Wears, Rs...>();
         std::uint8_t frame[plan::room];
         plan::put(frame, values...);
-        return write_bits(of, frame, plan::rows[0].address, plan::count);
+        return write_bits<IsBroadcast>(of, frame, plan::rows[0].address, plan::count);
     }
 
     template <const auto& R, u16 Mask> static constexpr status change_bits(own& of, u16 value) {
@@ -163,12 +192,13 @@ template <class Line, device_class Device, class Node> struct table_calls<client
         return IsBroadcast ? why : rules_out_echo<modbus::function::read_coils>(of, why, address);
     }
     /// Writes adjacent coils, function 0Fh, whose packed bits lie in `frame` from its byte 7 on.
+    template <bool IsBroadcast>
     [[gnu::noinline]] static constexpr status write_bits(own& of, byte_buffer frame, u16 address, u16 count) {
-        if (!of.node_.is_valid()) return errc::bad_argument;
-        frame[0] = of.node_.address;
+        if (!IsBroadcast && !of.node_.is_valid()) return errc::bad_argument;
+        frame[0] = IsBroadcast ? modbus::broadcast : of.node_.address;
         modbus::detail::put_coils_head(frame.subspan(1), address, count, frame.size() - 9);
         (void)modbus::close_trusted<crc>(frame, frame.size() - 3);
-        return of.carried(frame, frame.first(8));
+        return of.template carried<IsBroadcast>(frame, frame.first(8));
     }
 
     /// Changes some bits of a register, function 16h.
