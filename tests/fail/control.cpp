@@ -271,6 +271,8 @@ int main() {
     (void)io.write<basin::valve>(is_open);
     (void)io.broadcast<basin::valve, basin::pump>(true, false);
     (void)io.store<basin::lamps>(2, true);
+    (void)io.write<servobus::at<basin::lamps, 0>, servobus::at<basin::lamps, 1>>(true, false);
+    (void)io.read<basin::valve, servobus::at<basin::lamps, 0>, servobus::at<basin::lamps, 1>>();
     (void)io.read<basin::sensors>(2);
     servobus::stepped_read<some_basin, basin::sensors> sensor{io};
     servobus::stepped_change_bits<some_basin, basin::options, 0x0003> bits{io};

@@ -11,6 +11,7 @@
 //     if (!wheels.write<zlac8015d::left_acceleration_time>(800 * millisecond)) return 1;
 #pragma once
 
+#include <concepts>
 #include <cstddef>
 #include <cstdint>
 
@@ -152,6 +153,15 @@ class client : public raw_client<Line, Device, Node> {
             check_wear<at<Rows, 0>>();
             return put<Rows>(index, value);
         }
+    }
+
+    /// Does not compile: an array is written by the element. Without this overload the first bool would be an index.
+    template <const auto& Rows, std::same_as<bool>... Values>
+    requires is_register_array<Rows>
+    constexpr status write(Values...) {
+        static_assert(!is_register_array<Rows>, "an array is written by the element: write<rows>(i, v), or "
+                                                "write<at<rows, 0>, at<rows, 1>>(v, w)");
+        return {};
     }
 
     /// Writes one coil, function 05: true or false. The response to it may be an echo, as that to function 06; then the

@@ -121,6 +121,7 @@ using kept_word_order =
 /// The result of reading the registers `Rs`: their words, from which `get` decodes the value of each
 /// register.
 template <const auto&... Rs> class readings {
+    static_assert((!is_register_array<Rs> && ...), "an element of an array is a row by name: at<rows, i>");
     static_assert(detail::same_device<Rs...>::value, "a read has registers of one device");
     static_assert(((row_type<Rs>::rights != access::wo) && ...), "this register is write-only");
     static_assert(!read_plan<Rs...>.overlaps, "a read names each register once");

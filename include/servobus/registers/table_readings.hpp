@@ -102,7 +102,9 @@ template <std::size_t N> constexpr table_plan<N> plan_tables(table_row (&&rows)[
 }
 
 template <const auto& R> constexpr table_row table_row_of() {
-    if constexpr (is_bit<R>)
+    if constexpr (is_register_array<R>)
+        return {}; // refused by `readings`
+    else if constexpr (is_bit<R>)
         return {table_of<R>, R.address, 1};
     else
         return {table_of<R>, R.address, static_cast<u16>(row_type<R>::words)};
@@ -127,6 +129,7 @@ inline constexpr table_extent only_request = read_plan_of_tables<Rs...>.requests
 /// The result of reading rows of any tables: what the requests brought, from which `get` decodes the value of each row.
 template <const auto&... Rs>
 requires(detail::is_in_other_table<Rs> || ...) class readings<Rs...> {
+    static_assert((!is_register_array<Rs> && ...), "an element of an array is a row by name: at<rows, i>");
     static_assert(detail::same_device<Rs...>::value, "a read has rows of one device");
     static_assert(((row_type<Rs>::rights != access::wo) && ...), "this row is write-only");
     static_assert(!detail::read_plan_of_tables<Rs...>.overlaps, "a read names each row once");
