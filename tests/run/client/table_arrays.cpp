@@ -89,6 +89,15 @@ TEST_CASE_TEMPLATE("an element of an array of coils or inputs is read by its ind
     CHECK(r.model.requests.size() == 5);
 }
 
+TEST_CASE_TEMPLATE("bits after that of an element are no value", Kind, on_any_line, on_small_line) {
+    setup<Kind> r;
+    r.port.device = [](scripted_port& p, const sent_frame& f) {
+        p.say(500, tests::framed({1, f.data[1], 1, 3}));
+    };
+    CHECK(r.drive.template read<outputs>(0).error() == errc::unexpected_value);
+    CHECK(r.drive.template read<inputs>(0).error() == errc::unexpected_value);
+}
+
 TEST_CASE_TEMPLATE("an element of an array of coils is written by function 05", Kind, on_any_line,
                    on_small_line) {
     setup<Kind> r;
@@ -163,6 +172,42 @@ TEST_CASE("elements are read and written without waiting") {
     const std::vector<byte_list> asked{
         {5, 0, 7, 0xFF, 0}, {2, 0, 12, 0, 1}, {2, 0, 10, 0, 1}, {4, 0, 0x14, 0, 2}};
     CHECK(r.model.requests == asked);
+}
+
+namespace {
+struct switchable {
+    static constexpr profile facts{
+        .name = "switchable", .word_order = word_order::unknown, .word_order_register = 0x0007};
+};
+inline constexpr reg_array<input_reg<u32, switchable>, 2> counts{{0x0010, full<u32>, no_unit, 0}, 2};
+} // namespace
+
+TEST_CASE("an element of two words has the word order that was learned") {
+    tests::waiting_scripted_port port;
+    tests::plain_tables model;
+    model.holding_registers[7] = 1;
+    model.input_registers = {{0x12, 2}, {0x13, 1}};
+    bool loses = false;
+    port.device = [&](scripted_port& p, const sent_frame& f) {
+        if (!loses) model(p, f, 1);
+        loses = false;
+    };
+    line<tests::waiting_scripted_port> on{port, timing};
+    client<line<tests::waiting_scripted_port>, switchable> drive{on, node<switchable>{1}};
+    CHECK(drive.read<counts>(1).error() == errc::needs_word_order);
+    CHECK(port.frames.empty());
+    CHECK(drive.learn_word_order());
+    CHECK(*drive.read<counts>(1) == 0x1'0002);
+    loses = true; // the device may have restarted with another word order
+    CHECK(drive.read<counts>(1).error() == errc::needs_word_order);
+    CHECK(drive.learn_word_order());
+    stepped_read<decltype(drive), counts> count{drive};
+    CHECK(count.begin(1) == errc::ok);
+    for (int i = 0; i < 20'000 && !count.done(); ++i) {
+        (void)count.step();
+        port.time += 200;
+    }
+    CHECK(*count.value() == 0x1'0002);
 }
 
 TEST_CASE("a server has arrays of coils and inputs") {
