@@ -109,6 +109,10 @@ TEST_CASE_TEMPLATE("an element of an array of coils is written by function 05", 
     const std::vector<byte_list> asked{{5, 0, 9, 0xFF, 0}, {5, 0, 2, 0, 0}, {5, 1, 0x10, 0xFF, 0}};
     CHECK(r.model.requests == asked);
     CHECK(r.model.coils[9]);
+    CHECK(write<outputs>(r.drive, 3, true));
+    CHECK(store<outputs>(r.drive, 4, true));
+    CHECK(*read<outputs>(r.drive, 3));
+    CHECK(r.model.coils[4]);
 }
 
 TEST_CASE_TEMPLATE("elements of arrays are rows: adjacent ones travel in one request", Kind, on_any_line,
