@@ -102,7 +102,7 @@ constexpr auto bits_entry = cyclic_bits(bits{});
 constexpr poll_plan bits_plan{timing, bits_entry};
 } // namespace
 
-#define ON_EACH_LINE any_line, small_line
+#define TABLE_ECHOES_ON_EACH_LINE any_line, small_line
 
 TEST_CASE("G3: bits that repeat their request are values where an echo is ruled out") {
     line_setup r;
@@ -141,7 +141,7 @@ TEST_CASE("a response as long as its request that is found in one piece is no ec
 }
 
 TEST_CASE_TEMPLATE("G3: words of function 17h that repeat the request are values where an echo is ruled out",
-                   Kind, ON_EACH_LINE) {
+                   Kind, TABLE_ECHOES_ON_EACH_LINE) {
     setup<Kind> r;
     r.port.device = [](scripted_port& p, const sent_frame&) { p.say(500, framed({1, 0x97, 4})); };
     const auto refused = r.drive.template write_then_read<five_rows, light>(raw(7));
@@ -222,7 +222,7 @@ TEST_CASE("G21, G22: what a stepped call read with a word order that became void
 }
 
 TEST_CASE_TEMPLATE("G21, G22: a read whose first attempt got no response needs the word order again", Kind,
-                   ON_EACH_LINE) {
+                   TABLE_ECHOES_ON_EACH_LINE) {
     setup<Kind> r;
     REQUIRE(r.drive.learn_word_order());
     CHECK(r.drive.template read<energy>().error() == errc::ok);
@@ -238,7 +238,7 @@ TEST_CASE_TEMPLATE("G21, G22: a read whose first attempt got no response needs t
 }
 
 TEST_CASE_TEMPLATE("16h on a device that answers 10h with its byte count: both masks are compared", Kind,
-                   ON_EACH_LINE) {
+                   TABLE_ECHOES_ON_EACH_LINE) {
     setup<Kind> r;
     CHECK(r.drive.template read<input>());
     r.drive.node().limits.echoes_byte_count = true;

@@ -56,11 +56,11 @@ template <class Kind> struct setup {
 };
 } // namespace
 
-#define ON_EACH_LINE many_exchanges, blocking_calls, constants
+#define TRANSACT_ON_EACH_LINE many_exchanges, blocking_calls, constants
 
 TEST_CASE_TEMPLATE(
     "any PDU may be sent; its response fills the buffer exactly, or is refused before anything is sent", Kind,
-    ON_EACH_LINE) {
+    TRANSACT_ON_EACH_LINE) {
     setup<Kind> r;
     r.answer(framed({1, 0x41, 9, 8, 7}));
     std::array<std::uint8_t, 16> room{};
@@ -87,7 +87,7 @@ TEST_CASE_TEMPLATE(
 }
 
 TEST_CASE_TEMPLATE("a PDU and its response fill the longest frame of the line, and no more", Kind,
-                   ON_EACH_LINE) {
+                   TRANSACT_ON_EACH_LINE) {
     constexpr std::size_t longest = Kind::line::longest_frame - 3;
     static_assert(longest == (Kind::line::is_small ? 252 : 253));
     setup<Kind> r;
@@ -106,7 +106,7 @@ TEST_CASE_TEMPLATE("a PDU and its response fill the longest frame of the line, a
 
 TEST_CASE_TEMPLATE(
     "a PDU of function 03, 06 or 10h has a response of its own length, and the buffer must have it", Kind,
-    ON_EACH_LINE) {
+    TRANSACT_ON_EACH_LINE) {
     setup<Kind> r;
     r.file.words[0x0101] = 0x1234;
     const byte_list read{0x03, 0x01, 0x01, 0, 1};
@@ -130,7 +130,7 @@ TEST_CASE_TEMPLATE(
 
 TEST_CASE_TEMPLATE("G2, G3, G10: what is no valid response to another function ends in its error, and the "
                    "buffer is as it was",
-                   Kind, ON_EACH_LINE) {
+                   Kind, TRANSACT_ON_EACH_LINE) {
     const byte_list pdu{0x41, 0x12, 0x34};
     const byte_list good = framed({1, 0x41, 9, 8, 7});
     byte_list cut = good, spoilt = good;

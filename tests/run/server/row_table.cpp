@@ -63,12 +63,14 @@ void check_slots(const detail::row_list<N>& list, const std::vector<plain_row>& 
     for (std::size_t i = 0; i < N; ++i) {
         const plain_row& r = list.rows[i];
         REQUIRE(r.initial == pack[i].initial); // the order of the pack
-        const bool is_new = slots.emplace(std::pair{r.in, unsigned{r.slot}}, r.rights != servobus::access::ro).second;
+        const bool is_new =
+            slots.emplace(std::pair{r.in, unsigned{r.slot}}, r.rights != servobus::access::ro).second;
         REQUIRE(is_new);
         // Those of the same kind keep the order of the pack.
         for (std::size_t j = 0; j < i; ++j) {
             const plain_row& before = list.rows[j];
-            if (before.in == r.in && (before.rights == servobus::access::ro) == (r.rights == servobus::access::ro))
+            if (before.in == r.in &&
+                (before.rights == servobus::access::ro) == (r.rights == servobus::access::ro))
                 REQUIRE(before.slot < r.slot);
         }
     }
@@ -109,10 +111,10 @@ template <std::size_t N> bool check_runs(const detail::row_list<N>& list) {
         const auto t = static_cast<std::size_t>(r.of);
         for (unsigned w = 0; w < words_of(r); ++w) {
             overlaps = !covered[t].insert(r.address + w).second || overlaps;
-            if (r.rights != access::ro) writable[t].insert(r.address + w);
+            if (r.rights != servobus::access::ro) writable[t].insert(r.address + w);
         }
-        can_read[t] = can_read[t] || r.rights != access::wo;
-        can_write[t] = can_write[t] || r.rights != access::ro;
+        can_read[t] = can_read[t] || r.rights != servobus::access::wo;
+        can_write[t] = can_write[t] || r.rights != servobus::access::ro;
     }
     REQUIRE(list.repeats == repeats);
     REQUIRE((list.repeats || list.overlaps) == overlaps);
@@ -179,7 +181,7 @@ TEST_CASE("a row is taken as it is described, and an array element by element") 
     CHECK(at == 6);
     const plain_row& travel = list.rows[0];
     CHECK((travel.of == table::holding_registers && travel.in == pool::wide && travel.is_pair));
-    CHECK((travel.address == 0x12 && travel.rights == access::rw));
+    CHECK((travel.address == 0x12 && travel.rights == servobus::access::rw));
     CHECK((travel.low == -5 && travel.high == 100'000 && travel.initial == -5));
     for (unsigned i = 0; i < 3; ++i) {
         const plain_row& low = list.rows[1 + i];
