@@ -135,15 +135,15 @@ adds "... coils read" 184 0 2
 adds "... a coil written (05)" 252 0 4
 adds "... coils written (0F)" 184 0 8
 adds "... bits of a register changed (16h)" 232 0 16
-adds "... a write and read in one transaction (17h)" 752 0 32
-adds "... all of these" 1688 0 63
+adds "... a write and read in one transaction (17h)" 720 0 32
+adds "... all of these" 1656 0 63
 adds "line: and input registers" 276 1 1
 adds "... coils read" 272 1 2
 adds "... a coil written (05)" 264 1 4
 adds "... coils written (0F)" 192 1 8
 adds "... bits of a register changed (16h)" 272 1 16
-adds "... a write and read in one transaction (17h)" 484 1 32
-adds "... all of these" 1632 1 63
+adds "... a write and read in one transaction (17h)" 464 1 32
+adds "... all of these" 1624 1 63
 
 if [ "$recording" = 1 ]; then
     [ "$status" = 0 ] || { echo "target/run.sh: FAILED, nothing recorded"; exit 1; }
