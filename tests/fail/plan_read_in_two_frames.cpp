@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSL-1.0
 //
 // A cyclic read of registers that do not lie side by side.
-// EXPECT: a_cyclic_read_is_one_frame_of_adjacent_registers
+// EXPECT: a_cyclic_read_is_one_frame_of_adjacent_rows_of_a_table
 // MEND: cyclic<zlac::left_actual_speed, zlac::right_actual_speed>(node<zlac::device>{1}, milliseconds(50))
 #include "program.hpp"
 

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSL-1.0
 //
 // A cyclic read of rows of two tables.
-// EXPECT: a_cyclic_read_is_one_frame_of_adjacent_registers
+// EXPECT: a_cyclic_read_is_one_frame_of_adjacent_rows_of_a_table
 // MEND: cyclic<basin::valve, basin::pump>(node<basin::device>{9}, milliseconds(50))
 #include "basin.hpp"
 

@@ -26,7 +26,7 @@ inline constexpr duration longest_period = milliseconds(1'800'000);
 
 namespace detail {
 // Not constexpr on purpose: a plan that calls one does not compile, and the error names the rule.
-inline void a_cyclic_read_is_one_frame_of_adjacent_registers() {} // or bits, of one table
+inline void a_cyclic_read_is_one_frame_of_adjacent_rows_of_a_table() {}
 inline void a_cyclic_read_has_a_period_of_half_an_hour_at_most() {}
 inline void requests_have_a_period_of_half_an_hour_at_most() {}
 inline void a_request_has_1_to_125_registers() {}
@@ -88,7 +88,7 @@ template <const auto&... Rs, device_class Device>
 consteval cyclic_read<Rs...> cyclic(const node<Device>& at, duration period) {
     static_assert((belongs_to<typename row_type<Rs>::device, Device> && ...),
                   "this register belongs to another device");
-    if (!readings<Rs...>::is_one_frame) detail::a_cyclic_read_is_one_frame_of_adjacent_registers();
+    if (!readings<Rs...>::is_one_frame) detail::a_cyclic_read_is_one_frame_of_adjacent_rows_of_a_table();
     if (period == duration{} || period > longest_period)
         detail::a_cyclic_read_has_a_period_of_half_an_hour_at_most();
     if (!at.is_valid()) detail::a_node_of_a_plan_has_an_address_that_its_device_can_have();
