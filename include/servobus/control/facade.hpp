@@ -273,11 +273,10 @@ template <class Model, class Line> class facade {
     constexpr bool is_enabled() const { return settings_.state == Model::enabled; }
     // Whether the command under way may have changed a setting already. A stop confirms the state in which it
     // leaves the drive.
-    constexpr bool leaves_unknown() const { return changes_settings() && may_have_written(); }
-    constexpr bool may_have_written() const {
+    constexpr bool leaves_unknown() const {
         const bool is_writing =
             flight_ == flight::step && modbus::is_write(frame_[1]) && exchange_.was_sent();
-        return run_.has_written() || is_writing;
+        return changes_settings() && (run_.has_written() || is_writing);
     }
     constexpr bool changes_settings() const {
         if (command_.stop != stop_priority::no_stop) return false;
@@ -621,7 +620,7 @@ template <class Model, class Line> class facade {
         const bool is_read = may_read && !is_idle() && kind_ == command_kind::refresh;
         if (is_read) {
             report_ = {};
-        } else if (!is_idle() && (!is_stopping() || command_.stop < Model::stop_at_fault)) {
+        } else if (!is_idle() && command_.stop < Model::stop_at_fault) {
             run_.end(why, false);
             settle();
         }
@@ -636,7 +635,8 @@ template <class Model, class Line> class facade {
     // --- The routine under way
 
     [[gnu::noinline]] constexpr void start(const prepared_command& next, owner by, std::uint8_t urgent) {
-        if (!is_idle() && is_motion(kind_) && may_have_written()) model_.preempt(command_);
+        if (!is_idle() && kind_ >= command_kind::endless_motion && run_.has_written())
+            model_.preempt(command_);
         command_ = next;
         is_origin_new_ = is_origin_new_ || sets_origin(command_);
         start(by, urgent);
