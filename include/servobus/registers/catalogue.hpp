@@ -15,6 +15,7 @@
 #include <type_traits>
 #include <utility>
 
+#include <servobus/registers/descriptions.hpp>
 #include <servobus/registers/profile.hpp>
 #include <servobus/registers/reg.hpp>
 
@@ -187,7 +188,8 @@ template <class... Parts> consteval auto in_address_order(const Parts&... parts)
 /// A device's profile and all its registers.
 struct catalogue {
     const profile* device;
-    std::span<const entry> entries; ///< in address order
+    std::span<const entry> entries;              ///< in address order
+    std::span<const description> descriptions{}; ///< in address order, one for each entry; or none at all
 
     /// The entry of the register at `address`, which may be either word of a pair; null if there is none.
     constexpr const entry* find(u16 address) const {
@@ -206,12 +208,28 @@ struct catalogue {
         }
         return nullptr;
     }
+
+    /// What the register at `address`, which may be either word of a pair, does. Empty if the catalogue has no
+    /// sentence about it.
+    constexpr const char* sentence(u16 address) const {
+        const entry* const e = find(address);
+        return e == nullptr ? "" : sentence_of(descriptions, e->address);
+    }
 };
 
 /// True if the addresses ascend and no entry overlaps the next.
 constexpr bool is_in_order(std::span<const entry> entries) {
     for (std::size_t i = 1; i < entries.size(); ++i) {
         if (entries[i].address < entries[i - 1].address + entries[i - 1].words()) return false;
+    }
+    return true;
+}
+
+/// True if each entry has exactly one description and no description is without an entry.
+constexpr bool is_described(std::span<const entry> entries, std::span<const description> descriptions) {
+    if (entries.size() != descriptions.size()) return false;
+    for (std::size_t i = 0; i < entries.size(); ++i) {
+        if (entries[i].address != descriptions[i].address) return false;
     }
     return true;
 }

@@ -12,6 +12,7 @@
 #include <cstddef>
 #include <span>
 
+#include <servobus/device/c630s/descriptions.hpp>
 #include <servobus/device/c630s/names.hpp>
 #include <servobus/device/c630s/registers.hpp>
 #include <servobus/registers/catalogue.hpp>
@@ -335,8 +336,9 @@ inline constexpr auto entries = in_address_order(rows,
 } // namespace names
 
 static_assert(is_in_order(names::entries));
+static_assert(is_described(names::entries, descriptions));
 
 /// All 463 registers.
-inline constexpr servobus::catalogue catalogue{&device::facts, names::entries};
+inline constexpr servobus::catalogue catalogue{&device::facts, names::entries, descriptions};
 
 } // namespace servobus::c630s

@@ -10,6 +10,7 @@
 #pragma once
 
 #include <servobus/device/yako/closed_loop.hpp>
+#include <servobus/device/yako/closed_loop_descriptions.hpp>
 #include <servobus/device/yako/names.hpp>
 
 namespace servobus::yako::closed_loop {
@@ -89,8 +90,9 @@ inline constexpr auto entries = in_address_order(
 } // namespace names
 
 static_assert(is_in_order(names::entries));
+static_assert(is_described(names::entries, descriptions));
 
 /// All 204 registers, at 225 addresses.
-inline constexpr servobus::catalogue catalogue{&device::facts, names::entries};
+inline constexpr servobus::catalogue catalogue{&device::facts, names::entries, descriptions};
 
 } // namespace servobus::yako::closed_loop

@@ -10,6 +10,7 @@
 
 #include <servobus/device/yako/names.hpp>
 #include <servobus/device/yako/open_loop.hpp>
+#include <servobus/device/yako/open_loop_descriptions.hpp>
 
 namespace servobus::yako::open_loop {
 
@@ -62,8 +63,9 @@ inline constexpr auto entries = in_address_order(
 } // namespace names
 
 static_assert(is_in_order(names::entries));
+static_assert(is_described(names::entries, descriptions));
 
 /// All 208 registers, at 229 addresses.
-inline constexpr servobus::catalogue catalogue{&device::facts, names::entries};
+inline constexpr servobus::catalogue catalogue{&device::facts, names::entries, descriptions};
 
 } // namespace servobus::yako::open_loop

@@ -10,6 +10,7 @@
 //     }
 #pragma once
 
+#include <servobus/device/zlac8015d/descriptions.hpp>
 #include <servobus/device/zlac8015d/registers.hpp>
 #include <servobus/registers/catalogue.hpp>
 
@@ -218,8 +219,9 @@ inline constexpr entry entries[] = {
 } // namespace names
 
 static_assert(is_in_order(names::entries));
+static_assert(is_described(names::entries, descriptions));
 
 /// All 116 registers.
-inline constexpr servobus::catalogue catalogue{&device::facts, names::entries};
+inline constexpr servobus::catalogue catalogue{&device::facts, names::entries, descriptions};
 
 } // namespace servobus::zlac8015d
