@@ -1,7 +1,8 @@
 # SPDX-FileCopyrightText: The servobus authors
 # SPDX-License-Identifier: BSL-1.0
-"""Checks from the includes that the rooms of include/servobus/ form layers, and that no header includes what programs
-include by choice; names each include that breaks this, and checks that violations are found.
+"""Checks from the includes that the rooms of include/servobus/ form layers, that no header includes what programs
+include by choice, and that only catalogues include descriptions of registers; names each include that breaks this, and
+checks that violations are found.
 """
 import re
 import sys
@@ -26,6 +27,10 @@ MAY_INCLUDE = {
 }
 # Headers with text for people, which no other header includes: they cost a program that does not include them nothing.
 BY_CHOICE = re.compile(r"device/\w+/advice\.hpp")
+# Headers with a sentence for each register, which only the catalogues of the same device include; and what includes
+# these: programs, and simulated drives.
+DESCRIPTIONS = re.compile(r"device/\w+/(?:\w+_)?descriptions\.hpp")
+CATALOGUE = re.compile(r"device/\w+/(?:\w+_)?catalogue\.hpp")
 INCLUDE = re.compile(r"^\s*#\s*include\s*<servobus/([^>]+)>", re.MULTILINE)
 
 # A header, a line that is added to it, and how the violation is described.
@@ -38,6 +43,12 @@ BREAKS = [
     ("control/facade.hpp", "#include <servobus/line/detail/arbiter.hpp>", "a detail/ is for its own room"),
     ("device/c630s/feedback.hpp", "#include <servobus/device/c630s/advice.hpp>",
      "device/c630s/feedback.hpp includes device/c630s/advice.hpp, which programs include by choice"),
+    ("device/zlac8015d/registers.hpp", "#include <servobus/device/zlac8015d/descriptions.hpp>",
+     "device/zlac8015d/registers.hpp includes device/zlac8015d/descriptions.hpp: only catalogues of the device may"),
+    ("sim/yako.hpp", "#include <servobus/device/yako/common_descriptions.hpp>",
+     "sim/yako.hpp includes device/yako/common_descriptions.hpp: only catalogues of the device may"),
+    ("device/c630s.hpp", "#include <servobus/device/c630s/catalogue.hpp>",
+     "device/c630s.hpp includes device/c630s/catalogue.hpp: of the headers, only those of sim may"),
     ("device/yako/common.hpp", "using servobus::detail::sound_row;", "device/yako/common.hpp uses servobus::detail"),
 ]
 
@@ -70,6 +81,12 @@ def violations(texts):
                 wrong.append(f"{header} includes {other}: a detail/ is for its own room")
             if BY_CHOICE.fullmatch(other):
                 wrong.append(f"{header} includes {other}, which programs include by choice")
+            of_same_device = header.rpartition("/")[0] == other.rpartition("/")[0]
+            is_text = CATALOGUE.fullmatch(header) or DESCRIPTIONS.fullmatch(header)
+            if DESCRIPTIONS.fullmatch(other) and not (is_text and of_same_device):
+                wrong.append(f"{header} includes {other}: only catalogues of the device may")
+            if CATALOGUE.fullmatch(other) and own != "sim":
+                wrong.append(f"{header} includes {other}: of the headers, only those of sim may")
         if own in ("device", "sim") and "servobus::detail" in texts[header]:
             wrong.append(f"{header} uses servobus::detail: what a drive's author needs is public")
     return wrong + circles(includes)
