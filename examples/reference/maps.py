@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: BSL-1.0
 """Makes the start page and the page of each drive's register map.
 
-The tool's `map` has the numbers, values.cpp prints what a register does and the names of its values. The rows of the
+The tool's `map --long` has the numbers and the sentence about each register, values.cpp prints what a register does and the names of its values. The rows of the
 headers have the words of the manuals and the errata; errata.md and errata_c630s.md have the text of these. Doxygen's
 tag file has where the API pages have the constants.
 
@@ -103,6 +103,7 @@ def row_html(row, has_parameters, tags):
         number = parameter(row["number"])
         cell("Parameter", f'<a href="#{number}">{number}</a>', f' class=at id="{number}"')
     cell("Name", name_html(row, tags))
+    cell("Description", html.escape(row["description"]))
     extra = f' <small>{html.escape(row["note"])}</small>' if row["note"] else ""
     if row["values"]:
         listed = [html.escape(v) for v in row["values"]]
@@ -133,7 +134,7 @@ def page(title, body, script=""):
 
 def map_page(drive, rows, tags, version):
     has_parameters = drive["name"] == "c630s"
-    columns = ["Address", *(["Parameter"] if has_parameters else []), "Name", "Manual", "Access", "Type", "Range",
+    columns = ["Address", *(["Parameter"] if has_parameters else []), "Name", "Description", "Manual", "Access", "Type", "Range",
                "Default", "Unit", "Effect", "Errata"]
     groups = []
     for row in rows:
@@ -188,7 +189,7 @@ def start_page(maps, tags, version):
 <p>Drives motors over Modbus RTU, and knows the registers of these drives.</p></header>
 <main>
 <h2>Registers</h2>
-<p>Each page finds a register by its address, parameter number, name, words of the manual, range, unit or erratum.</p>
+<p>Each page finds a register by its address, parameter number, name, description, words of the manual, range, unit or erratum.</p>
 <ul class=cards>{listed}</ul>
 <h2>The library</h2>
 <ul class=cards>

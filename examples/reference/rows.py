@@ -89,7 +89,7 @@ def header_rows(drive):
 
 
 def map_rows(drive, tool, values):
-    printed = subprocess.run([tool, "map", drive["name"]], check=True, capture_output=True, text=True).stdout
+    printed = subprocess.run([tool, "map", drive["name"], "--long"], check=True, capture_output=True, text=True).stdout
     said = header_rows(drive)
     named = named_in_errata(drive)
     rows = []

@@ -10,6 +10,8 @@
 #include <servobus/device/yako/open_loop_catalogue.hpp>
 #include <servobus/device/zlac8015d/catalogue.hpp>
 
+#include "../servobus/text/named_values.hpp"
+
 namespace {
 
 using namespace servobus;
@@ -27,36 +29,6 @@ constexpr named_flag flags[] = {
     {zero_by_name, "0 only by undocumented_zero"},
 };
 
-bool is_one_bit(unsigned mask) { return mask != 0 && (mask & (mask - 1)) == 0; }
-
-unsigned lowest_bit(unsigned mask) {
-    unsigned bit = 0;
-    while ((mask >> bit & 1u) == 0) ++bit;
-    return bit;
-}
-
-// The manuals write command codes and alarms in hexadecimal, everything else as decimal numbers.
-bool is_hexadecimal(const entry& e) {
-    if (e.is_signed()) return false;
-    unsigned highest = 0;
-    for (const named_value& v : e.values) highest = v.value > highest ? v.value : highest;
-    return highest > (has(e.flags, trigger) ? 0xFu : 0xFFu);
-}
-
-void print_value(const entry& e, const named_value& v, bool in_hexadecimal) {
-    const unsigned mask = v.mask;
-    const unsigned value = v.value;
-    if (mask == 0xFFFF && in_hexadecimal) {
-        std::printf("\t0x%02X %s", value, v.name);
-    } else if (mask == 0xFFFF) {
-        std::printf("\t%lld %s", static_cast<long long>(e.number(value)), v.name);
-    } else if (is_one_bit(mask) && value == mask) {
-        std::printf("\tbit %u %s", lowest_bit(mask), v.name);
-    } else {
-        std::printf("\tbits 0x%04X = 0x%04X %s", mask, value, v.name);
-    }
-}
-
 void print(const catalogue& map) {
     for (const entry& e : map.entries) {
         std::printf("%s\t0x%04X\t", map.device->name, unsigned{e.address});
@@ -67,8 +39,7 @@ void print(const catalogue& map) {
             between = "; ";
         }
         if (e.names == naming::halves) std::printf("\thigh byte left\tlow byte right");
-        const bool in_hexadecimal = is_hexadecimal(e);
-        for (const named_value& v : e.values) print_value(e, v, in_hexadecimal);
+        for (const named_value& v : e.values) std::printf("\t%s %s", tool::code_text(e, v).c_str(), v.name);
         std::putchar('\n');
     }
 }

@@ -102,12 +102,19 @@ constexpr option restore_options[] = {
     {"part", "", "where more than the drive takes at once differ (c630s: 200), the first of them"},
 };
 
+constexpr option map_options[] = {
+    {"long", "", "a last column: what the register does, a sentence in quotes"},
+};
+
 constexpr command table[] = {
     {.name = "map",
-     .words = "DEVICE",
-     .summary = "the register map as CSV",
+     .words = "DEVICE [REG]",
+     .summary = "the register map as CSV, or one register",
      .about = "Prints a row for each register: address, name, words, type, access, whether it is saved, "
-              "when it may be written, when that takes effect, modes, range, default, scale and unit.",
+              "when it may be written, when that takes effect, modes, range, default, scale and unit. With "
+              "REG it prints what that register does, these properties in words, and the names of its codes "
+              "or bits.",
+     .options = map_options,
      .run = map},
     {.name = "alarms",
      .words = "DEVICE",

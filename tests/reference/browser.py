@@ -76,6 +76,8 @@ def queries(tool):
             ("-3000..3000 r/min", of_map("zlac8015d", lambda row: row["min"] == "-3000" and row["unit"] == "r/min")),
             ("编码器线数", of_manual("zlac8015d", "编码器线数")),
             ("[B21]", ["0x2022", "0x2088", "0x2089"]),
+            ("Maximum OUTPUT current", of_map("zlac8015d", lambda row: all(
+                word in row["description"].lower() for word in ("maximum", "output", "current")))),
             ("no register has these words", []),
         ],
         "c630s": [

@@ -68,7 +68,7 @@ def rows_of(pages, device):
 
 
 def printed_map(tool, device):
-    said = subprocess.run([tool, "map", device], check=True, capture_output=True, text=True).stdout
+    said = subprocess.run([tool, "map", device, "--long"], check=True, capture_output=True, text=True).stdout
     return list(csv.DictReader(said.splitlines()))
 
 
@@ -127,7 +127,8 @@ def check_registers(pages, tool, device):
         words_taken = range(address, address + int(said["words"]))
         covered.update(words_taken)
         expected = {
-            "Address": said["address"], "Name": said["name"], "Access": said["access"], "Type": said["type"],
+            "Address": said["address"], "Name": said["name"], "Description": said["description"],
+            "Access": said["access"], "Type": said["type"],
             "Range": f"{said['min']}..{said['max']}" if said["min"] else "", "Default": said["default"],
             "Unit": said["unit"] if said["scale"] == "1" else f"{said['scale']} {said['unit']}",
         }

@@ -186,7 +186,10 @@ COMPLETIONS = [
     ("servobus alarms ", "zlac8015d yako-closed-loop yako-open-loop c630s"),
     ("servobus alarms c630s ", ""),
     ("servobus completion ", "bash"),
-    ("servobus map zlac8015d ", ""),
+    ("servobus map zlac8015d bus_v", "bus_voltage"),
+    ("servobus map zlac8015d software_version ", ""),
+    ("servobus map fly ", ""),
+    ("servobus map zlac8015d --l", "--long"),
     ("servobus read tcp://10.0.0.1:4001 za", ""),
     ("servobus read tcp://10.0.0.1:4001 zl", "zlac8015d"),
     ("servobus read mbap://[::1] zlac8015d:3 bus_v", "bus_voltage"),
@@ -243,11 +246,12 @@ def completed_lines(tool: Documented):
 def completed_registers(tool: Documented, device: str):
     registers = list(csv.DictReader(tool.start(f"map {device}").wait().out.splitlines()))
     for what, command, without, head, suffix in [
-        ("read", "read", "wo", "", ""),
-        ("written", "write", "ro", "-o nospace: ", "="),
+        ("shown", "map", None, "", ""),
+        ("read", "read p", "wo", "", ""),
+        ("written", "write p", "ro", "-o nospace: ", "="),
     ]:
         expected = head + " ".join(row["name"] + suffix for row in registers if row["access"] != without)
-        candidates = tool.completed(f"servobus {command} p {device} ")
+        candidates = tool.completed(f"servobus {command} {device} ")
         tool.is_equal(f"completion: every register of {device} that can be {what}", candidates, expected)
 
 

@@ -5,6 +5,7 @@ import csv
 import itertools
 import re
 import sys
+import textwrap
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
@@ -12,6 +13,7 @@ import standard_frames
 from programs import Tool, play_tool, scene
 
 ROOT = Path(__file__).resolve().parents[2]
+DEVICES = "zlac8015d", "yako-closed-loop", "yako-open-loop", "c630s"
 HEADER = "address,name,words,type,access,saved,when,effective,modes,min,max,default,scale,unit"
 READS = "node 1: read left_actual_speed (0x20AB), right_actual_speed (0x20AC)"
 SPEEDS = "node 1: response, left_actual_speed = 10.0 r/min, right_actual_speed = 10.0 r/min"
@@ -51,7 +53,9 @@ def map_of_zlac8015d(tool: Tool):
         ("map: a row without range and default", r"0x20A0,software_version,1,u16,ro,no,,,,,,,1,"),
     ]:
         tool.check(name, any(re.fullmatch(pattern, row) for row in rows), "")
-    tool.fails("map takes one device", "map", 2, "map takes one DEVICE")
+    tool.fails("map takes one device", "map", 2, "map takes one DEVICE, and one REG at most")
+    tool.fails("map takes one register", "map zlac8015d 0x2000 0x2001", 2, "one REG at most")
+    tool.fails("--long is for the whole map", "map zlac8015d 0x2000 --long", 2, "--long is for the whole map")
 
 
 def is_sorted(rows: list[str]) -> bool:
@@ -77,6 +81,140 @@ def map_is(tool: Tool, device: str, count: int, *expected: str):
     tool.check(f"map {device}: in address order", is_sorted(lines[1:]))
     for row in expected:
         tool.check(f"map {device}: {row}", row in lines, "")
+
+
+@scene(*DEVICES)
+def long_map_is(tool: Tool, device: str):
+    """The map, and a last column with a sentence in quotes; the words of a register begin with it."""
+    short = tool.run(f"map {device}").lines
+    lines = tool.run(f"map {device} --long").lines
+    tool.check(f"map {device} --long: header", lines[0] == f"{HEADER},description")
+    rows = [re.fullmatch(r'(.*),"([A-Z][^"]*\.)"', line) for line in lines[1:]]
+    tool.check(f"map {device} --long: the rows of the map", [row and row[1] for row in rows] == short[1:])
+    for row in list(csv.DictReader(lines))[::40]:
+        said = tool.run(f"map {device} {row['name']}")
+        tool.is_equal(f"map {device} {row['name']}: name and sentence", said.lines[:2], [row["name"], row["description"]])
+        rest = dict(re.fullmatch(r"(\w*) +(.*)", line).groups() for line in said.lines[3:])
+        tool.check(f"map {device} {row['name']}: address and type",
+                   rest["address"].startswith(row["address"]) and rest["type"].startswith(row["type"]))
+        for word in (row["address"], f"{row['address'][2:].lower()}h"):
+            tool.is_equal(f"map {device} {word}", tool.run(f"map {device} {word}").out, said.out)
+
+
+# What `map` prints below the sentence.
+REGISTERS = {
+    "zlac8015d left_max_current": """
+        address    0x2034
+        type       u16
+        access     read and write
+        range      0..300 (0.0..30.0 A)
+        default    300 (30.0 A)
+        unit       0.1 A
+        written    the manual does not say when
+        saved      by a command of its own""",
+    "zlac8015d motor_temperature": """
+        address    0x20A4
+        type       i16
+        access     read-only
+        unit       degC
+        values     high byte: left
+                   low byte: right""",
+    "zlac8015d host_timeout": """
+        address    0x2000
+        type       u16
+        access     read and write
+        range      0..32767 ms
+        default    1000 ms
+        unit       ms
+        written    the manual does not say when
+        saved      by a command of its own
+        note       what 0 does is not documented""",
+    "zlac8015d control_word": """
+        address    0x200E
+        type       u16
+        access     read and write
+        range      0..18
+        default    0 (undefined)
+        written    the manual does not say when
+        note       acts when it is written
+        values     0x00: undefined
+                   0x05: quick stop
+                   0x06: fault reset
+                   0x07: stop
+                   0x08: enable
+                   0x10: start both
+                   0x11: start left
+                   0x12: start right""",
+    "yako-closed-loop target_position": """
+        address    0x0024 and 0x0025
+        type       i32, two registers
+        access     read and write
+        range      -2147483648..2147483647 pulse
+        default    5000 pulse
+        unit       pulse
+        written    the manual does not say when
+        note       a write moves an enabled motor""",
+    "yako-open-loop pair_word_order": """
+        address    0x0019
+        type       u16
+        access     read and write
+        range      0..1
+        default    0 (high first)
+        written    the manual does not say when
+        note       a setting of the line
+        values     0: high first
+                   1: low first""",
+    "c630s P02-00": """
+        address    0x0200 (P02-00)
+        type       u16
+        access     read and write
+        range      0..6
+        default    1 (position)
+        written    only while the motor is stopped
+        effective  at once
+        saved      by each write, which wears the EEPROM
+        values     0: speed
+                   1: position
+                   2: torque
+                   3: torque or speed
+                   4: speed or position
+                   5: torque or position
+                   6: torque or speed or position""",
+    "c630s feedback_pulses": """
+        address    0x0B11 and 0x0B12 (P0B-17)
+        type       i32, two registers
+        access     read-only
+        unit       counts
+        modes      position, speed, torque""",
+    "c630s target_speed": """
+        address    0x0603 (P06-03)
+        type       i16
+        access     read and write
+        range      -6000..6000 r/min
+        default    200 r/min
+        unit       r/min
+        written    at any time
+        effective  at once
+        saved      by each write, which wears the EEPROM
+        modes      speed
+        note       a write moves an enabled motor""",
+}
+
+
+@scene()
+def one_register(tool: Tool):
+    for words, expected in REGISTERS.items():
+        said = tool.run(f"map {words}").out.split("\n\n", 1)[-1]
+        tool.is_equal(f"map {words}", said, textwrap.dedent(expected).lstrip("\n") + "\n")
+    for name, words, text in [
+        ("the second word of a pair", "map zlac8015d 208Bh", "208Bh is the second word of left_target_position"),
+        ("no such register", "map zlac8015d 3000h", "zlac8015d has no register '3000h'"),
+        ("no hexadecimal number", "map zlac8015d 20G0h", "zlac8015d has no register '20G0h'"),
+        ("h alone", "map zlac8015d h", "zlac8015d has no register 'h'"),
+        ("no parameter number", "map zlac8015d P02-00", "zlac8015d has no register 'P02-00'"),
+        ("raw has no map", "map raw 0x2000", "unknown device 'raw'"),
+    ]:
+        tool.fails(f"map: {name}", words, 2, text)
 
 
 ALARMS = "code class resettable name cause remedy reset".split()

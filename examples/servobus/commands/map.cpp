@@ -1,23 +1,14 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// servobus map: a drive's registers as CSV.
-#include "../tool.hpp"
-
+// servobus map: a drive's registers as CSV, or one of them in words.
 #include <cstdio>
 
-#include <servobus/registers/format.hpp>
+#include "../session.hpp"
+#include "map_register.hpp"
 
 namespace tool {
 namespace {
-
-// The worth of one count without needless zeros: 1, 0.1, 25.
-std::string scale_text(servobus::unit u) {
-    char room[32];
-    servobus::text_writer text{room};
-    servobus::put_count(text, 1, u);
-    return {room, text.size()};
-}
 
 std::string raw_text(std::int64_t value) { return std::to_string(value); }
 
@@ -43,26 +34,40 @@ std::string modes(const servobus::entry& e) {
     return letters;
 }
 
-void print_row(const servobus::entry& e) {
+// `sentence`: null if the row has none.
+void print_row(const servobus::entry& e, const char* sentence) {
     const bool is_saved = has(e.flags, flag::saved) || has(e.flags, flag::saved_on_write);
-    const std::string row = hex_word(e.address) + ',' + static_cast<const char*>(e.name) + ',' +
-                            std::to_string(e.words()) + ',' + text(e.kind) + ',' + text(e.rights) + ',' +
-                            (is_saved ? "yes" : "no") + ',' + when(e) + ',' + effective(e) + ',' + modes(e) +
-                            ',' + (e.limits.is_stated ? raw_text(e.limits.low) : "") + ',' +
-                            (e.limits.is_stated ? raw_text(e.limits.high) : "") + ',' +
-                            (e.initial != servobus::no_default ? raw_text(e.initial) : "") + ',' +
-                            scale_text(e.unit_of_count) + ',' + symbol(e.unit_of_count.of);
+    std::string row = hex_word(e.address) + ',' + static_cast<const char*>(e.name) + ',' +
+                      std::to_string(e.words()) + ',' + text(e.kind) + ',' + text(e.rights) + ',' +
+                      (is_saved ? "yes" : "no") + ',' + when(e) + ',' + effective(e) + ',' + modes(e) + ',' +
+                      (e.limits.is_stated ? raw_text(e.limits.low) : "") + ',' +
+                      (e.limits.is_stated ? raw_text(e.limits.high) : "") + ',' +
+                      (e.initial != servobus::no_default ? raw_text(e.initial) : "") + ',' +
+                      scale_text(e.unit_of_count) + ',' + symbol(e.unit_of_count.of);
+    if (sentence != nullptr) row += std::string{",\""} + sentence + '"'; // none has a quote
     (void)std::puts(row.c_str());
 }
 
 } // namespace
 
 int map(const arguments& asked) {
-    if (asked.words().size() != 1) return complain(usage, "map takes one DEVICE");
-    const device* of = find_device(asked.words()[0]);
+    const std::vector<std::string>& words = asked.words();
+    if (words.empty() || words.size() > 2)
+        return complain(usage, "map takes one DEVICE, and one REG at most");
+    const device* of = find_device(words[0]);
     if (of == nullptr) return usage;
-    (void)std::puts("address,name,words,type,access,saved,when,effective,modes,min,max,default,scale,unit");
-    for (const servobus::entry& e : of->map->entries) print_row(e);
+    const bool is_long = asked.has("long");
+    if (words.size() == 2) {
+        if (is_long) return complain(usage, "--long is for the whole map, without REG");
+        const std::optional<chosen> one = parse_register({.kind = of}, words[1]);
+        if (!one) return usage;
+        print_register(*of, *one->row);
+        return done;
+    }
+    std::printf("address,name,words,type,access,saved,when,effective,modes,min,max,default,scale,unit%s\n",
+                is_long ? ",description" : "");
+    for (const servobus::entry& e : of->map->entries)
+        print_row(e, is_long ? of->map->sentence(e.address) : nullptr);
     return done;
 }
 

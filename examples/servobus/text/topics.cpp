@@ -29,7 +29,9 @@ std::span<const topic> topics() {
          "than the drive's own limit, unless --timeout is given. A gateway that repeats requests by "
          "itself is not to be used."},
         {"REG",
-         "a name from the map or an address, 0x2088; of a c630s also a parameter number, P0B-17. For raw: "
+         "a name from the map or an address, 0x2088 or 2088h; of a c630s also a parameter number, P0B-17. "
+         "For "
+         "raw: "
          "ADDRESS or ADDRESS:COUNT, of holding registers.\n\nIn full [TABLE:]ADDRESS[:COUNT][:TYPE][:hi|lo], "
          "also "
          "for raw: TABLE is coil, discrete (a discrete input), input (an input register) or holding; TYPE is "

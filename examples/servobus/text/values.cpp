@@ -104,6 +104,14 @@ std::optional<decimal> parse_decimal(std::string_view text) {
     return d;
 }
 
+// An address as programs or manuals write it: 0x2088, 8328, 2088h.
+std::optional<std::int64_t> parse_address(std::string_view text) {
+    if (text.size() < 2 || (text.back() != 'h' && text.back() != 'H')) return parse_integer(text);
+    text.remove_suffix(1);
+    const bool is_hex = text.find_first_not_of("0123456789abcdefABCDEF") == text.npos;
+    return is_hex ? parse_integer("0x" + std::string{text}) : std::nullopt;
+}
+
 // The raw content of a register, as hex; for a signed one its bits.
 std::optional<std::int64_t> parse_content(const entry& e, std::string_view text) {
     const std::optional<std::int64_t> bits = parse_integer(text);
@@ -147,7 +155,7 @@ std::optional<chosen> parse_register(const target& of, std::string_view text) {
     for (const entry& e : of.kind->map->entries) {
         if (text == std::string_view{e.name}) return choose(e);
     }
-    std::optional<std::int64_t> address = parse_integer(text);
+    std::optional<std::int64_t> address = parse_address(text);
     if (!address && of.kind->number != nullptr) address = of.kind->number(text);
     if (address && *address >= 0 && *address <= 0xFFFF) {
         const entry* e = of.kind->map->find(static_cast<u16>(*address));

@@ -74,7 +74,7 @@ TEST_CASE("two tables are joined in address order") {
 
 TEST_CASE("each register has exactly one sentence, and no sentence is without a register") {
     for (const tested& of : devices) {
-        CAPTURE(of.name);
+        CAPTURE(std::string{of.name});
         CHECK(of.map->entries.size() == of.registers);
         std::set<u16> described;
         for (const description& d : of.map->descriptions) {
@@ -92,7 +92,7 @@ TEST_CASE("each register has exactly one sentence, and no sentence is without a 
 
 TEST_CASE("a sentence is short ASCII text") {
     for (const tested& of : devices) {
-        CAPTURE(of.name);
+        CAPTURE(std::string{of.name});
         for (const description& d : of.map->descriptions) {
             CAPTURE(d.address);
             REQUIRE(d.sentence != nullptr);

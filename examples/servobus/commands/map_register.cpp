@@ -1,0 +1,156 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+#include "map_register.hpp"
+
+#include <cstdio>
+
+#include <servobus/registers/format.hpp>
+
+#include "../text/named_values.hpp"
+
+namespace tool {
+namespace {
+
+using servobus::access;
+using servobus::entry;
+using servobus::flag;
+
+void print_line(const char* what, const std::string& said) {
+    if (!said.empty()) std::printf("%-10s %s\n", what, said.c_str());
+}
+
+void append(std::string& list, const char* between, const std::string& item) {
+    list += list.empty() ? item : between + item;
+}
+
+std::string address_text(const device& of, const entry& e) {
+    std::string text = hex_word(e.address);
+    if (e.words() == 2) text += " and " + hex_word(static_cast<u16>(e.address + 1));
+    if (of.number != nullptr) {
+        char parameter[8];
+        (void)std::snprintf(parameter, sizeof parameter, "P%02X-%02u", (e.address >> 8u) & 0xFFu,
+                            e.address & 0xFFu);
+        text += std::string{" ("} + parameter + ")";
+    }
+    return text;
+}
+
+const char* access_text(access rights) {
+    switch (rights) {
+    case access::ro: return "read-only";
+    case access::wo: return "write-only";
+    case access::rw: break;
+    }
+    return "read and write";
+}
+
+std::string count_text(std::int64_t count, servobus::unit u) {
+    char room[64];
+    servobus::text_writer text{room};
+    servobus::put_count(text, count, u);
+    return {room, text.size()};
+}
+
+// Counts from `low` to `high`, and what they are worth if that is another number: `0..300 (0..30 A)`.
+std::string counts_text(const entry& e, std::int64_t low, std::int64_t high) {
+    const auto text = [&](servobus::unit u) {
+        return count_text(low, u) + (low == high ? "" : ".." + count_text(high, u));
+    };
+    const servobus::unit u = e.unit_of_count;
+    const std::string symbol = servobus::symbol(u.of);
+    const std::string raw = text({});
+    const std::string scaled = text(u) + (symbol.empty() ? "" : " " + symbol);
+    return scale_text(u) == "1" ? scaled : raw + " (" + scaled + ")";
+}
+
+std::string range_text(const entry& e) {
+    if (e.limits.is_stated) return counts_text(e, e.limits.low, e.limits.high);
+    return e.rights == access::ro ? "" : "not stated";
+}
+
+std::string default_text(const entry& e) {
+    if (e.initial == servobus::no_default) return e.rights == access::ro ? "" : "not stated";
+    if (e.names != servobus::naming::names) return counts_text(e, e.initial, e.initial);
+    char room[512];
+    servobus::text_writer text{room};
+    servobus::put_value(text, e, static_cast<u16>(static_cast<std::uint64_t>(e.initial) & 0xFFFFu));
+    const std::string named{room, text.size()};
+    const std::size_t end = named.rfind(" ("); // of a word without a name there is only the word
+    return std::to_string(e.initial) + (end == named.npos ? "" : " (" + named.substr(0, end) + ")");
+}
+
+std::string unit_text(const entry& e) {
+    const std::string scale = scale_text(e.unit_of_count);
+    return (scale == "1" ? "" : scale + " ") + servobus::symbol(e.unit_of_count.of);
+}
+
+std::string written_text(const entry& e) {
+    if (e.rights == access::ro) return {};
+    if (has(e.flags, flag::when_stopped)) return "only while the motor is stopped";
+    return has(e.flags, flag::when_running) ? "at any time" : "the manual does not say when";
+}
+
+std::string effective_text(const entry& e) {
+    if (has(e.flags, flag::immediate)) return "at once";
+    if (has(e.flags, flag::at_stop)) return "when the motor stops next";
+    return has(e.flags, flag::after_power_cycle) ? "after the next power cycle" : "";
+}
+
+std::string saved_text(const entry& e) {
+    if (has(e.flags, flag::saved_on_write)) return "by each write, which wears the EEPROM";
+    return has(e.flags, flag::saved) ? "by a command of its own" : "";
+}
+
+std::string modes_text(const entry& e) {
+    if (has(e.flags, flag::every_mode)) return "all";
+    std::string modes;
+    if (has(e.flags, flag::position_mode)) append(modes, ", ", "position");
+    if (has(e.flags, flag::speed_mode)) append(modes, ", ", "speed");
+    if (has(e.flags, flag::torque_mode)) append(modes, ", ", "torque");
+    return modes;
+}
+
+std::string note_text(const entry& e) {
+    std::string notes;
+    if (has(e.flags, flag::trigger)) append(notes, "; ", "acts when it is written");
+    if (has(e.flags, flag::motion)) append(notes, "; ", "a write moves an enabled motor");
+    if (has(e.flags, flag::communication)) append(notes, "; ", "a setting of the line");
+    if (has(e.flags, flag::scaled_elsewhere)) append(notes, "; ", "another register sets the scale");
+    if (has(e.flags, flag::zero_by_name)) append(notes, "; ", "what 0 does is not documented");
+    return notes;
+}
+
+void print_values(const entry& e) {
+    if (e.names == servobus::naming::halves) {
+        print_line("values", "high byte: left");
+        print_line("", "low byte: right");
+    }
+    const char* what = "values";
+    for (const servobus::named_value& v : e.values) {
+        print_line(what, code_text(e, v) + ": " + v.name);
+        what = "";
+    }
+}
+
+} // namespace
+
+std::string scale_text(servobus::unit u) { return count_text(1, u); }
+
+void print_register(const device& of, const entry& e) {
+    std::printf("%s\n", static_cast<const char*>(e.name));
+    std::printf("%s\n\n", of.map->sentence(e.address));
+    print_line("address", address_text(of, e));
+    print_line("type", std::string{text(e.kind)} + (e.words() == 2 ? ", two registers" : ""));
+    print_line("access", access_text(e.rights));
+    print_line("range", range_text(e));
+    print_line("default", default_text(e));
+    print_line("unit", unit_text(e));
+    print_line("written", written_text(e));
+    print_line("effective", effective_text(e));
+    print_line("saved", saved_text(e));
+    print_line("modes", modes_text(e));
+    print_line("note", note_text(e));
+    print_values(e);
+}
+
+} // namespace tool

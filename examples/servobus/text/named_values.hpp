@@ -1,0 +1,42 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// The codes and bits of a register with their names, as lists for people have them.
+#pragma once
+
+#include <cstdio>
+#include <string>
+
+#include <servobus/registers/catalogue.hpp>
+
+namespace tool {
+
+// The manuals write command codes and alarms in hexadecimal, everything else as decimal numbers.
+inline bool has_hexadecimal_codes(const servobus::entry& e) {
+    if (e.is_signed()) return false;
+    unsigned highest = 0;
+    for (const servobus::named_value& v : e.values) highest = v.value > highest ? v.value : highest;
+    return highest > (has(e.flags, servobus::flag::trigger) ? 0xFu : 0xFFu);
+}
+
+/// What `v` stands for in a word of `e`: `2`, `0x08`, `bit 3`, `bits 0x0300 = 0x0100`.
+inline std::string code_text(const servobus::entry& e, const servobus::named_value& v) {
+    const unsigned mask = v.mask;
+    const unsigned value = v.value;
+    const bool is_one_bit = mask != 0 && (mask & (mask - 1)) == 0;
+    char text[32];
+    if (mask == 0xFFFF && has_hexadecimal_codes(e)) {
+        (void)std::snprintf(text, sizeof text, "0x%02X", value);
+    } else if (mask == 0xFFFF) {
+        (void)std::snprintf(text, sizeof text, "%lld", static_cast<long long>(e.number(value)));
+    } else if (is_one_bit && value == mask) {
+        unsigned bit = 0;
+        while ((mask >> bit & 1u) == 0) ++bit;
+        (void)std::snprintf(text, sizeof text, "bit %u", bit);
+    } else {
+        (void)std::snprintf(text, sizeof text, "bits 0x%04X = 0x%04X", mask, value);
+    }
+    return text;
+}
+
+} // namespace tool
