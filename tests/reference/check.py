@@ -50,6 +50,7 @@ def damages():
         ("map_c630s.html", lambda t: t.replace("反馈脉冲计数器", ""), "registers"),
         ("map_c630s.html", lambda t: t.replace("<td data-label=\"Range\">-1073741824..1073741824",
                                                "<td data-label=\"Range\">0..1073741824", 1), "registers"),
+        ("map_c630s.html", lambda t: re.sub('(data-label="Description">)[A-Z]', r"\1x", t, count=1), "registers"),
         (client, lambda t: t.replace("no gap on the line was long enough to send", ""), "read"),
         (client, lambda t: t.replace("Reads one register", "Reads"), "read"),
         ("map_c630s.html", lambda t: t.replace("words.every(", "words.some("), "browser"),

@@ -93,7 +93,8 @@ def long_map_is(tool: Tool, device: str):
     tool.check(f"map {device} --long: the rows of the map", [row and row[1] for row in rows] == short[1:])
     for row in list(csv.DictReader(lines))[::40]:
         said = tool.run(f"map {device} {row['name']}")
-        tool.is_equal(f"map {device} {row['name']}: name and sentence", said.lines[:2], [row["name"], row["description"]])
+        tool.is_equal(f"map {device} {row['name']}: name and sentence", said.lines[:2],
+                      [row["name"], row["description"]])
         rest = dict(re.fullmatch(r"(\w*) +(.*)", line).groups() for line in said.lines[3:])
         tool.check(f"map {device} {row['name']}: address and type",
                    rest["address"].startswith(row["address"]) and rest["type"].startswith(row["type"]))
@@ -215,6 +216,15 @@ def one_register(tool: Tool):
         ("raw has no map", "map raw 0x2000", "unknown device 'raw'"),
     ]:
         tool.fails(f"map: {name}", words, 2, text)
+
+
+@scene()
+def shown_by_its_page(tool: Tool):
+    """The register in the tool's README is as the tool prints it."""
+    page = (ROOT / "examples/servobus/README.md").read_text("utf-8")
+    words, shown = re.search(r"^    \$ servobus (map \w+ \S+)\n((?:    .*\n|\n)+?)    +\.\.\.\n", page, re.M).groups()
+    shown = textwrap.dedent(shown)
+    tool.is_equal("map: as its page shows it", shown, tool.run(words).out[:len(shown)])
 
 
 ALARMS = "code class resettable name cause remedy reset".split()
