@@ -88,12 +88,12 @@ const device* device_of(std::string_view word) {
     return nullptr;
 }
 
-enum class purpose { show, read, write };
+enum class register_use { show, read, write };
 
 // REG, or REG=VALUE for a write. `given` are registers that the command line already has.
-answer registers(const device* of, std::string_view begun, purpose wanted,
+answer registers(const device* of, std::string_view begun, register_use wanted,
                  std::span<const std::string> given) {
-    const bool is_write = wanted == purpose::write;
+    const bool is_write = wanted == register_use::write;
     answer a{.kind = is_write ? "open" : "words", .candidates = {}};
     if (of == nullptr) return a;
     const std::size_t equals = begun.find('=');
@@ -111,7 +111,7 @@ answer registers(const device* of, std::string_view begun, purpose wanted,
             return a;
         }
         if (is_write && e.rights == servobus::access::ro) continue;
-        if (wanted == purpose::read && e.rights == servobus::access::wo) continue;
+        if (wanted == register_use::read && e.rights == servobus::access::wo) continue;
         const auto is_it = [&](const std::string& word) { return word.substr(0, word.find('=')) == name; };
         if (std::ranges::none_of(given, is_it)) a.candidates.push_back(is_write ? name + "=" : name);
     }
@@ -136,13 +136,13 @@ answer word_of(const command& of, std::span<const std::string> before, std::stri
     if (place.starts_with("PORT")) return ports(begun);
     if (place.starts_with("DEVICE")) return device_names(of);
     if (place.find("FILE") != place.npos) return files();
-    if (place == "[REG]") return registers(device_of(before[0]), begun, purpose::show, {});
+    if (place == "[REG]") return registers(device_of(before[0]), begun, register_use::show, {});
     if (place.starts_with("REG")) {
         const bool is_write = place.starts_with("REG=VALUE");
         // Of raw a table, which an address follows.
         const bool is_raw = before[1].substr(0, before[1].find(':')) == "raw";
         if (is_raw) return {.kind = "open", .candidates = raw_tables(is_write)};
-        return registers(device_of(before[1]), begun, is_write ? purpose::write : purpose::read,
+        return registers(device_of(before[1]), begun, is_write ? register_use::write : register_use::read,
                          before.subspan(2));
     }
     return {.candidates = {std::string{place}}};

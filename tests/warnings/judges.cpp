@@ -1,0 +1,35 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// A program for any drive: the judges on a drive of one's own, advice about faults, and what all drives share. This file is
+// only compiled.
+#include <servobus/servobus.hpp>
+
+#include <servobus/control/motor_drive.hpp>
+#include <servobus/device/c630s/advice.hpp>
+#include <servobus/device/yako/advice.hpp>
+#include <servobus/device/zlac8015d/advice.hpp>
+#include <servobus/sim/conformance.hpp>
+
+#include "../../examples/own_device/own_subject.hpp"
+
+using namespace servobus;
+
+void count_findings(void* count, const sim::finding& f) {
+    *static_cast<unsigned*>(count) += f.first.request + 1 + static_cast<unsigned>(f.trace.size());
+}
+unsigned judge() {
+    unsigned count = 0;
+    sim::conformance<winch::subject> kit{&count_findings, &count};
+    const sim::played all = kit.singles();
+    (void)kit.pairs(1, 2);
+    (void)kit.from(hex("00 00 01 02 03 04"));
+    return all.runs + count;
+}
+template <motor_drive Drive> bool stops(Drive& drive) {
+    return static_cast<bool>(drive.run(disable{})) || Drive::traits.stops_without_line;
+}
+bool stop(winch::drive<line<sim::virtual_line>>& drum) { return stops(drum); }
+const char* remedy(zlac8015d::faults f) { return zlac8015d::advice_for(f).remedy; }
+const char* remedy(std::uint16_t code) { return c630s::advice_for(code).remedy; }
+const char* reset(yako::motion_status s) { return yako::advice_for(s).reset; }
