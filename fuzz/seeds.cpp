@@ -231,7 +231,8 @@ void row_requests(corpus& to) {
 int main() {
     corpus request{"request"}, response{"response"}, server{"server"}, exchange{"exchange"}, line{"line"},
         blocking_line{"blocking_line"}, explain{"explain"}, text{"text"}, simulators{"simulators"},
-        libmodbus{"libmodbus"}, of_functions{"functions"}, row_server{"row_server"}, conformance{"conformance"};
+        libmodbus{"libmodbus"}, of_functions{"functions"}, row_server{"row_server"},
+        conformance{"conformance"};
     calls(line);
     blocking_line_calls(blocking_line);
     texts(text);

@@ -44,6 +44,7 @@ class stepped_read_one : public stepped_table_request<typename Client::link_type
     }
 
   protected:
+    // cppcheck-suppress uninitMemberVar ; a request fills it, and a small core has no memset
     constexpr explicit stepped_read_one(Client& of) : base{base::link_of(of)} {}
 
     constexpr errc begin_part(const table_extent& part) {

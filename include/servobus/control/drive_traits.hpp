@@ -7,6 +7,8 @@
 //     static_assert(zlac8015d::model::traits.stops_without_line && !c630s::model::traits.stops_without_line);
 #pragma once
 
+#include <servobus/core/cxx20.hpp>
+
 namespace servobus {
 
 /// Each is false where the manual does not state it.

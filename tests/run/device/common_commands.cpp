@@ -44,7 +44,7 @@ template <class Drive> struct machine {
     std::function<bool()> stands;
     std::function<void()> have_fault;
     std::function<void()> end_fault; // its cause has ended; the drive still reports it
-    std::function<bool()> turn; // a command of the drive's own
+    std::function<bool()> turn;      // a command of the drive's own
     std::function<void(std::uint32_t)> pass;
 };
 

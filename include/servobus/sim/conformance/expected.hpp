@@ -7,6 +7,8 @@
 //     static_assert(sim::moves_by(2000).goal_from(500) == 2500);
 #pragma once
 
+#include <servobus/core/cxx20.hpp>
+
 #include <cstdint>
 
 namespace servobus::sim {

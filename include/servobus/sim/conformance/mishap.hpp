@@ -7,6 +7,8 @@
 //     for (const sim::mishap m : sim::all_mishaps) std::puts(sim::text(m));
 #pragma once
 
+#include <servobus/core/cxx20.hpp>
+
 #include <cstdint>
 
 namespace servobus::sim {

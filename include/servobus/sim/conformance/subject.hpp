@@ -10,6 +10,8 @@
 //     }
 #pragma once
 
+#include <servobus/core/cxx20.hpp>
+
 #include <concepts>
 #include <cstdint>
 
