@@ -318,7 +318,7 @@ class model {
 /// By which the plan of a bus finds the model.
 model model_of(const device&);
 
-/// What the winch says of itself in one frame.
+/// The winch's feedback, one frame.
 struct feedback {
     std::uint16_t load = 0; ///< 0.1 A
     distance position{};

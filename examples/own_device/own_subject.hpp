@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// What the judges of sim/conformance.hpp are told of the winch: how the simulated one is seen from outside, what may
+// The winch for the judges of sim/conformance.hpp: how the simulated one is seen from outside, what may
 // happen to it, and its commands. On a host:
 //
 //     servobus::sim::conformance<winch::subject> kit{[](void*, const servobus::sim::finding& f) { show(f.what); }};
@@ -41,7 +41,7 @@ struct subject {
     static std::int64_t place(const machine& m) { return m.place(); }
     static std::uint32_t starts(const machine& m) { return m.starts(); }
 
-    // What may happen to it
+    // Things that may happen to it
     static void restart(machine& m) { m.power_cycle(); }
     static void have_fault(machine& m) { m.raise_fault(3); }
     static void end_fault(machine& m) { m.end_fault_cause(); }

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// What sim/conformance.hpp is told of the drives of the library: how each is seen from outside, what may happen to it,
+// The drives of the library for the judges of sim/conformance.hpp: how each is seen from outside, what may happen to it,
 // and its commands. `Readings` numbers the interpretations of a manual; number 0 is the simulator's default.
 #pragma once
 

@@ -37,13 +37,13 @@ class any_port {
     /// Of these, true for RTU frames over TCP.
     static bool is_tcp(std::string_view name);
 
-    /// Of these, true for Modbus TCP.
+    /// True for one of these that speaks Modbus TCP.
     static bool is_mbap(std::string_view name);
 
     /// Returns `done`, or the exit status after a complaint: `usage` for a name that is no address.
     int open(const char* name, const serial_settings& settings);
 
-    /// Of an open port of Modbus TCP: the unit of the device at its other end, 0 or 255.
+    /// Sets the unit of the device at the other end of an open port of Modbus TCP, 0 or 255.
     void set_peer_unit(std::uint8_t unit);
 
     /// Opens the port of the last `open` again, without a complaint.

@@ -19,7 +19,7 @@ inline bool has_hexadecimal_codes(const servobus::entry& e) {
     return highest > (has(e.flags, servobus::flag::trigger) ? 0xFu : 0xFFu);
 }
 
-/// What `v` stands for in a word of `e`: `2`, `0x08`, `bit 3`, `bits 0x0300 = 0x0100`.
+/// Returns the code or the bits of `v` in a word of `e`: `2`, `0x08`, `bit 3`, `bits 0x0300 = 0x0100`.
 inline std::string code_text(const servobus::entry& e, const servobus::named_value& v) {
     const unsigned mask = v.mask;
     const unsigned value = v.value;

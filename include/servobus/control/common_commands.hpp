@@ -33,8 +33,8 @@ struct halt {};
 /// Stops as fast as the drive can.
 struct quick_stop {};
 
-/// Clears the faults, at standstill. Nothing moves, and no motor is energised by this command. Errors: `faulted` if a
-/// fault remains.
+/// Clears the faults, at standstill. Nothing moves. Whether the motor is energised afterwards is the drive's: `state()`
+/// says it. Errors: `faulted` if a fault remains.
 struct fault_reset {};
 
 /// Waits until the motor is at standstill. Errors: `not_reached` after `limit`; `faulted`; `stopped_short` after a move

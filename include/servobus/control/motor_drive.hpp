@@ -11,7 +11,6 @@
 #pragma once
 
 #include <concepts>
-#include <type_traits>
 
 #include <servobus/control/common_commands.hpp>
 #include <servobus/control/drive_traits.hpp>
@@ -53,7 +52,7 @@ concept motor_drive = detail::carries_out_all<Drive, init, enable, disable, halt
     { seen.arrival().how } -> std::convertible_to<arrival_state>;
     { *drive.read() } -> motor_feedback;
     { *seen.feedback(oldest) } -> motor_feedback;
-    {std::bool_constant<(Drive::traits, true)>{}};
+    { Drive::traits } -> std::convertible_to<drive_traits>;
 };
 
 } // namespace servobus

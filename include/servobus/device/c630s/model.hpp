@@ -251,12 +251,13 @@ class model {
                             (!detail::may_have_written<virtual_input_levels>(failed, r) ||
                              failed[r.step].what == step::kind::write);
         c.then = effect::none;
-        if (was == effect::moved && is_started(failed, r))
+        if (was == effect::moved && is_started(failed, r)) {
             motion_.forget(); // the target is that of the move before
-        if (was == effect::moved && r.outcome() == outcome::unknown && is_started(failed, r)) {
-            motion_.note(motion_check::unknown);
-            word_order_of_move_ = known.word_order;
-            if (!is_restart) c = {.steps = routines::post_check, .then = effect::positions_compared};
+            if (r.outcome() == outcome::unknown) {
+                motion_.note(motion_check::unknown);
+                word_order_of_move_ = known.word_order;
+                if (!is_restart) c = {.steps = routines::post_check, .then = effect::positions_compared};
+            }
         }
         // The line works, but the drive did not do what it was told, or has restarted: it must not stay as it is.
         const bool must_stop =

@@ -36,7 +36,7 @@ template <class Subject> class conformance_judge {
     std::uint32_t findings() const { return findings_; }
     bool is_undisturbed() const { return now_.first.what == mishap::none; }
 
-    // The command has ended well: the drive was at some time since the last request as it says.
+    // Judges a command that has ended well: the drive was at some time since the last request as it says.
     template <class Command> void judge_done(trial_type& t, const Command&, const expected& does) {
         constexpr bool is_init = std::is_same_v<Command, init>;
         if constexpr (std::is_same_v<Command, enable>) {
@@ -62,11 +62,11 @@ template <class Subject> class conformance_judge {
         }
     }
 
-    // A while afterwards, on a sound line, and once the drive is taken over again.
+    // Judges a while afterwards, on a sound line, and once the drive is taken over again.
     template <class Command> void judge_later(trial_type& t, const Command&, const expected& does) {
         using named = std::remove_cvref_t<Command>;
         constexpr bool is_init = std::is_same_v<named, init>;
-        constexpr bool is_enable = requires { typename std::enable_if_t<std::is_same_v<named, enable>>; };
+        constexpr bool is_enable = std::is_same_v<named, enable>;
         constexpr bool may_energise_by_reset =
             std::is_same_v<named, fault_reset> && Subject::energises_by_reset;
         drive_type& d = t.drive();
@@ -150,7 +150,7 @@ template <class Subject> class conformance_judge {
             broken("G35", "enable is done on a sound line, and the motor is not energised");
     }
 
-    // The same is reported once in a run.
+    // Reports a broken promise, the same one once in a run.
     void broken(const char* promise, const char* what) {
         if (reported_ == what) return;
         reported_ = what;

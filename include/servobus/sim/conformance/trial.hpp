@@ -45,7 +45,7 @@ template <class Subject> class trial {
           drive_{on_, Subject::address, supervision{.command_timeout = command_limit}} {
         wire_.attach(station_);
         wire_.set_hook(&trial::note, this);
-        seen_ = look();
+        was_energised_ = is_energised();
     }
     trial(const trial&) = delete;
     trial& operator=(const trial&) = delete;
@@ -63,7 +63,8 @@ template <class Subject> class trial {
         planned_[0] = first;
         planned_[1] = second;
         first_request_ = wire_.requests();
-        requests_ = writes_ = energised_ = 0;
+        struck_ = wire_.struck();
+        writes_ = energised_ = 0;
         has_happened_ = {};
         begun_at_ = place();
         was_turning_ = is_turning();
@@ -71,7 +72,7 @@ template <class Subject> class trial {
         is_stop_refused_ = false;
         starts_ = starts();
         least_ = most_ = begun_at_;
-        seen_ = look();
+        was_energised_ = is_energised();
         forget_views();
     }
     /// No more mishaps: the line and the drive are sound again.
@@ -80,7 +81,7 @@ template <class Subject> class trial {
         wire_.faults() = {};
         Subject::end_fault(machine_.machine);
         Subject::release_stop(machine_.machine);
-        seen_ = look();
+        was_energised_ = is_energised();
     }
 
     /// Steps until the command has ended, at most two minutes. Returns false if it has not.
@@ -171,16 +172,12 @@ template <class Subject> class trial {
     }
 
   private:
-    struct state {
-        bool is_energised = false;
-    };
     struct views {
         bool any = false, energised = false, off = false, stood = false, turned = false;
         std::int64_t place = 0;
     };
 
     std::uint32_t starts() const { return Subject::starts(machine_.machine); }
-    state look() const { return {is_energised()}; }
     void forget_views() { views_[0] = views_[1] = {}; }
     void view() {
         views_[0].any = true;
@@ -189,16 +186,16 @@ template <class Subject> class trial {
         views_[0].place = place();
     }
     void sample() {
-        const state now = look();
-        if (now.is_energised && !seen_.is_energised) ++energised_;
-        seen_ = now;
+        const bool now = is_energised();
+        if (now && !was_energised_) ++energised_;
+        was_energised_ = now;
         const std::int64_t at = place();
         least_ = at < least_ ? at : least_;
         most_ = at > most_ ? at : most_;
     }
     void restart() {
         Subject::restart(machine_.machine);
-        seen_ = look();
+        was_energised_ = is_energised();
     }
 
     // One mishap happens once, with the request to which it belongs.
@@ -213,29 +210,38 @@ template <class Subject> class trial {
         }
         return false;
     }
-    bool strikes(mishap m, unsigned next) {
+    bool is_planned(mishap m, unsigned request) const {
+        return (planned_[0].what == m && planned_[0].request == request) ||
+               (planned_[1].what == m && planned_[1].request == request);
+    }
+    // The line has counted another frame with a fault: a mishap of the present request.
+    void note_struck() {
+        if (wire_.struck() == struck_) return;
+        struck_ = wire_.struck();
         for (const planned_mishap& p : planned_) {
-            if (p.what == m && next == p.request) return has_happened_[static_cast<unsigned>(m)] = true;
+            const bool is_of_line = p.what >= mishap::request_lost && p.what <= mishap::response_doubled;
+            if (is_of_line && requests() == p.request + 1)
+                has_happened_[static_cast<unsigned>(p.what)] = true;
         }
-        return false;
     }
     // Before the request `begun` leaves, and while the response to the one before it is awaited.
     void set_faults() {
         const unsigned begun = requests();
         fault_plan& plan = wire_.faults();
         const auto rate = [](bool is) { return is ? std::uint16_t{1000} : std::uint16_t{0}; };
-        plan.lost_request = rate(strikes(mishap::request_lost, begun));
-        plan.corrupted_request = rate(strikes(mishap::request_damaged, begun));
-        plan.lost_response = rate(strikes(mishap::response_lost, begun - 1));
-        plan.corrupted_response = rate(strikes(mishap::response_damaged, begun - 1));
-        plan.late_response = rate(strikes(mishap::response_late, begun - 1));
-        plan.doubled_response = rate(strikes(mishap::response_doubled, begun - 1));
+        plan.lost_request = rate(is_planned(mishap::request_lost, begun));
+        plan.corrupted_request = rate(is_planned(mishap::request_damaged, begun));
+        plan.lost_response = rate(is_planned(mishap::response_lost, begun - 1));
+        plan.corrupted_response = rate(is_planned(mishap::response_damaged, begun - 1));
+        plan.late_response = rate(is_planned(mishap::response_late, begun - 1));
+        plan.doubled_response = rate(is_planned(mishap::response_doubled, begun - 1));
     }
     void turn() {
         set_faults();
         const duration idle = drive_.step();
         set_faults();
         sample();
+        note_struck();
         if (happens_now(mishap::program_stalls)) wire_.pass(stall);
         if (happens_now(mishap::program_halts)) (void)drive_.begin(halt{});
         if (happens_now(mishap::program_disables)) is_stop_refused_ = drive_.begin(disable{}) != errc::ok;
@@ -284,13 +290,13 @@ template <class Subject> class trial {
     std::size_t next_ = 0;
     std::size_t kept_ = 0;
     std::uint32_t first_request_ = 0;
-    unsigned requests_ = 0;
+    std::uint32_t struck_ = 0; // frames with a fault
     unsigned writes_ = 0;
     unsigned energised_ = 0;
     std::int64_t begun_at_ = 0;
     std::int64_t least_ = 0;
     std::int64_t most_ = 0;
-    state seen_{};
+    bool was_energised_ = false;
     views views_[2]{};
     machine_type machine_;
     station<machine_type> station_;
