@@ -14,9 +14,15 @@
 #include <cstdint>
 
 #include <servobus/control/command.hpp>
+#include <servobus/control/command_kinds.hpp>
 #include <servobus/control/facade.hpp>
 
 #include "own_device.hpp"
+
+// The words of the register that also starts it which may be sent again.
+template <>
+inline constexpr auto servobus::stop_words<winch::control_word> =
+    servobus::words_that_stop(winch::control_code::off, winch::control_code::hold);
 
 namespace winch {
 
@@ -35,11 +41,11 @@ struct cached_settings {
     drive_state state = drive_state::needs_init;
 };
 
-enum class effect : std::uint8_t { none, initialised, enabled, disabled, turned, moved, arrived, seen };
+enum class effect : std::uint8_t { none, initialised, enabled, disabled, turned, moved, arrived, seen, end };
 
 /// A command made ready: a routine with its arguments, or why it is refused.
 struct prepared_command {
-    routine steps{};
+    routine steps;
     steps::arguments arguments{};
     effect then = effect::none;
     errc refusal = errc::ok;
@@ -213,20 +219,13 @@ class model {
 
     // What a command changes, and what the feedback says
 
-    static constexpr servobus::command_kind kind_of(const prepared_command& c) {
-        using enum servobus::command_kind;
-        switch (c.then) {
-        case effect::initialised: return take_over;
-        case effect::enabled:
-        case effect::disabled: return power;
-        case effect::turned: return endless_motion;
-        case effect::moved: return servobus::command_kind::move;
-        case effect::seen: return refresh;
-        case effect::arrived:
-        case effect::none: break;
-        }
-        return other;
-    }
+    static constexpr auto kinds = servobus::command_kinds<effect>{}
+                                      .of(servobus::command_kind::take_over, effect::initialised)
+                                      .of(servobus::command_kind::power, effect::enabled, effect::disabled)
+                                      .of(servobus::command_kind::endless_motion, effect::turned)
+                                      .of(servobus::command_kind::move, effect::moved)
+                                      .of(servobus::command_kind::refresh, effect::seen)
+                                      .of(servobus::command_kind::other, effect::arrived, effect::none);
     static constexpr bool is_faulted(const std::uint16_t* w, const settings&) { return w[fault_word] != 0; }
     /// A winch that should be energised and is not has restarted, or was switched off by something else.
     static constexpr servobus::verdict judge(const std::uint16_t* w, settings& known) {
@@ -273,6 +272,7 @@ class model {
             has_goal_ = true;
             goal_ = place(c.arguments.words);
             break;
+        case effect::end:
         case effect::none:
         case effect::arrived:
         case effect::seen: break;

@@ -71,6 +71,22 @@ inline constexpr servobus::step stop =
 inline constexpr servobus::step too = servobus::steps::after_a_stop(servobus::steps::repeatable(
     servobus::steps::write_zero<zlac::left_target_torque, zlac::right_target_torque>()));
 
+inline constexpr servobus::step start =
+    servobus::steps::write<zlac::control_word>(zlac::control_code::start_both);
+inline constexpr servobus::step home = servobus::steps::write_zero<zlac::left_target_position>();
+constexpr zlac::prepared_command plan_init() {
+    return {.steps = zlac::routines::init, .then = zlac::effect::initialised};
+}
+static_assert(plan_init().steps.size() != 0);
+struct short_model : zlac::model {
+    static constexpr servobus::register_block image{zlac::status_word.address, 1};
+};
+enum class effect : std::uint8_t { none, moved, end };
+inline constexpr auto kinds = servobus::command_kinds<effect>{}
+                                  .of(servobus::command_kind::other, effect::none)
+                                  .of(servobus::command_kind::move, effect::moved);
+static_assert(kinds.is_complete());
+
 struct hooks {
     std::uint8_t before_write(const tank_changes&) { return 0; }
     void after_write(const tank_changes&) {}

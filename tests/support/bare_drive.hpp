@@ -21,9 +21,9 @@ struct settings {
 
 /// A routine with its arguments. A take-over that is done makes the drive's state known.
 struct command {
-    routine steps{};
+    routine steps;
     steps::arguments arguments{};
-    command_kind kind = command_kind::other;
+    command_kind then = command_kind::other;
     stop_priority stop = stop_priority::no_stop;
     errc refusal = errc::ok;
     std::uint16_t shift = 0;
@@ -46,14 +46,19 @@ class model {
     static constexpr drive_state faulted = drive_state::faulted;
     static constexpr stop_priority stop_at_fault = stop_priority::halt;
 
-    static constexpr command_kind kind_of(const command& c) { return c.kind; }
+    /// A command's effect is its kind.
+    struct own_kinds {
+        constexpr command_kind operator[](command_kind k) const { return k; }
+        constexpr bool is_complete() const { return true; }
+    };
+    static constexpr own_kinds kinds{};
     static constexpr bool is_faulted(const std::uint16_t*, const settings&) { return false; }
     /// What the feedback says is the test's.
     static inline verdict (*judges)(std::uint16_t) = [](std::uint16_t) { return verdict::as_expected; };
     static verdict judge(const std::uint16_t* w, settings&) { return judges(w[0]); }
     static constexpr steps::recheck witness(const settings& known, const command&) { return known.witness; }
     /// The stop of a supervisor is the test's.
-    static inline command stops_by{};
+    static inline command stops_by{.steps = no_steps};
     static command stop_for(stop_priority, const settings&, bool) { return stops_by; }
 
     static constexpr errc confirm(const command&, const std::uint16_t*, duration, const settings&) {
@@ -62,7 +67,7 @@ class model {
     static constexpr void preempt(const command&) {}
     constexpr errc learn(const command& c, slice<const std::uint16_t>, settings& known) {
         ++done;
-        if (c.kind == command_kind::take_over || c.makes_known) known = {drive_state::enabled, c.witness};
+        if (c.then == command_kind::take_over || c.makes_known) known = {drive_state::enabled, c.witness};
         return errc::ok;
     }
     constexpr void fail(const command&, routine, const routine_status&, bool, const settings&, duration&) {

@@ -39,12 +39,12 @@ inline constexpr step set_steps[] = {steps::write<setting>(1), steps::expect<set
 inline constexpr step look_steps[] = {steps::fetch<state>()};
 
 constexpr bare::command look{.steps = look_steps};
-constexpr bare::command move{.steps = move_steps, .arguments = {100}, .kind = command_kind::endless_motion};
-constexpr bare::command set{.steps = set_steps, .kind = command_kind::setting};
+constexpr bare::command move{.steps = move_steps, .arguments = {100}, .then = command_kind::endless_motion};
+constexpr bare::command set{.steps = set_steps, .then = command_kind::setting};
 constexpr bare::command halting{.steps = halt_steps, .stop = stop_priority::halt};
 constexpr bare::command disabling{.steps = disable_steps, .stop = stop_priority::disable};
 constexpr bare::command quick_stopping{.steps = quick_stop_steps, .stop = stop_priority::quick_stop};
-constexpr bare::command take_over{.steps = look_steps, .kind = command_kind::take_over};
+constexpr bare::command take_over{.steps = look_steps, .then = command_kind::take_over};
 
 struct rig {
     tests::waiting_scripted_port port;

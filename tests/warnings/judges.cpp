@@ -5,6 +5,7 @@
 // only compiled.
 #include <servobus/servobus.hpp>
 
+#include <servobus/control/command_text.hpp>
 #include <servobus/control/motor_drive.hpp>
 #include <servobus/device/c630s/advice.hpp>
 #include <servobus/device/yako/advice.hpp>
@@ -33,3 +34,7 @@ bool stop(winch::drive<line<sim::virtual_line>>& drum) { return stops(drum); }
 const char* remedy(zlac8015d::faults f) { return zlac8015d::advice_for(f).remedy; }
 const char* remedy(std::uint16_t code) { return c630s::advice_for(code).remedy; }
 const char* reset(yako::motion_status s) { return yako::advice_for(s).reset; }
+const char* what_failed(const zlac8015d::velocity&, const routine_status& r) {
+    return r.has_register() && r.register_address() == 0x2088 ? command_text<zlac8015d::velocity>
+                                                              : text(step::kind::confirm);
+}

@@ -195,6 +195,7 @@ template <class Model, class Line> class facade {
         if (address_ == 0 || is_refused || is_period_too_short()) return errc::bad_argument;
         if (next.refusal != errc::ok)
             return next.refusal == errc::wrong_state && is_faulted() ? errc::faulted : next.refusal;
+        if (next.steps.empty()) return errc::bad_argument; // `no_steps` without a reason
         if (!is_idle()) {
             if (!replaces(next)) return is_stopped_for_fault(next) ? errc::faulted : errc::busy;
             if (leaves_unknown()) {
@@ -205,18 +206,20 @@ template <class Model, class Line> class facade {
         }
         return take(next);
     }
+    static constexpr command_kind kind_of(const prepared_command& c) { return Model::kinds[c.then]; }
     // A fault's stop is under way: what would move the drive, or waits for a move, is refused for the fault.
     constexpr bool is_stopped_for_fault(const prepared_command& next) const {
         return owner_ == owner::supervisor && cause_ == stop_cause::fault &&
-               Model::kind_of(next) != command_kind::refresh;
+               kind_of(next) != command_kind::refresh;
     }
     // Whether a command replaces the routine under way: a stop of a higher priority, and a take-over, which begins
     // with every kind of stop, one of a supervisor.
     constexpr bool replaces(const prepared_command& next) const {
         if (next.stop == stop_priority::no_stop)
-            return owner_ == owner::supervisor && Model::kind_of(next) == command_kind::take_over;
+            return owner_ == owner::supervisor && kind_of(next) == command_kind::take_over;
         if constexpr (requires { Model::disable_replaces_quick_stop; }) {
-            if (next.stop == stop_priority::disable && command_.stop == stop_priority::quick_stop)
+            if (Model::disable_replaces_quick_stop && next.stop == stop_priority::disable &&
+                command_.stop == stop_priority::quick_stop)
                 return true;
         }
         return owner_ == owner::supervisor ? next.stop >= command_.stop : next.stop > command_.stop;
@@ -653,7 +656,7 @@ template <class Model, class Line> class facade {
         std::uint16_t shift = 0;
         if constexpr (requires { command_.shift; }) shift = command_.shift;
         owner_ = by;
-        kind_ = Model::kind_of(command_);
+        kind_ = kind_of(command_);
         run_.begin(command_.steps, command_.arguments, shift, command_.limit, urgent, by == owner::follow_up,
                    line_->now());
         if (run_.is_urgent()) line_->announce_stop(); // whatever is stepped first
@@ -694,7 +697,7 @@ template <class Model, class Line> class facade {
         const command_kind kind = kind_;
         const routine done = command_.steps;
         const bool is_judged = !r && done[r.step].what == step_type::kind::confirm;
-        command_.steps = {}; // the model puts in what follows
+        command_.steps = no_steps; // the model puts in what follows
         if (r) {
             conclude_command(kind);
         } else {
@@ -792,7 +795,16 @@ template <class Model, class Line> class facade {
     }
 
     // A drive that may be energised after a restart is stopped when one is found.
-    static constexpr bool stops_after_restart = requires { Model::stops_after_restart; };
+    static constexpr bool stops_after_restart = [] {
+        if constexpr (requires { Model::stops_after_restart; }) {
+            return Model::stops_after_restart;
+        } else {
+            return false;
+        }
+    }();
+    static_assert(Model::kinds.is_complete(),
+                  "an effect has no kind: each is listed in the `kinds` of the model");
+    static_assert(Model::image.words != 0, "the feedback of a model is at least one register");
     static_assert(Model::image.words <= steps::longest, "the feedback of a model is at most 11 registers");
     static constexpr std::uint8_t tries_of_a_stop = 3;
     static constexpr std::size_t longest_write = 9 + 2 * steps::max_arguments; // bytes
@@ -814,7 +826,7 @@ template <class Model, class Line> class facade {
     bool is_origin_new_ : 1 = false;      // positions may be counted from elsewhere since the image
     detail::held_reading held_{};         // at the beginning of `response_`
     settings settings_ = Model::unknown;
-    prepared_command command_{};
+    prepared_command command_{.steps = no_steps};
     Line* line_;
     detail::drive_link<polls::has_watchdog> link_;
     polls polling_;

@@ -307,6 +307,8 @@ template <class Subject> class conformance : conformance_judge<Subject> {
         const bool is_replaced = r.error() == errc::preempted || t.has_happened(mishap::program_halts) ||
                                  t.has_happened(mishap::program_disables);
         if (base::is_undisturbed() && !r) broken("G29", "the command fails on an undisturbed line");
+        if (is_stop && base::is_one_frame_lost() && !r)
+            broken("G26", "a stop ends without success after one frame was lost: it is not repeated");
         if (r && !is_replaced) base::judge_done(t, wanted, does);
         // A stop of the facade itself follows a fault, a restart and a stall.
         const bool is_followed =

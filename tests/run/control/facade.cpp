@@ -50,6 +50,14 @@ TEST_CASE("during the stop of the command timeout the application's stop is acce
     }
 }
 
+TEST_CASE("a command that has no steps and no reason for it is refused, and nothing is sent") {
+    rig r;
+    CHECK(r.drive.begin(bare::command{.steps = no_steps}) == errc::bad_argument);
+    CHECK(r.drive.run(bare::command{.steps = no_steps, .refusal = errc::inexact}).error() == errc::inexact);
+    CHECK(r.drive.is_idle());
+    CHECK(r.port.frames.empty());
+}
+
 TEST_CASE("a stop of the application is replaced only by a stop of higher priority") {
     struct scene {
         bare::command first;

@@ -21,8 +21,8 @@ using namespace servobus;
 namespace {
 
 constexpr bare::command become_known{
-    .steps = bare_rigs::set_steps, .kind = command_kind::power, .makes_known = true};
-constexpr bare::command refresh{.steps = bare_rigs::look_steps, .kind = command_kind::refresh};
+    .steps = bare_rigs::set_steps, .then = command_kind::power, .makes_known = true};
+constexpr bare::command refresh{.steps = bare_rigs::look_steps, .then = command_kind::refresh};
 
 /// A C630S that is set up, and polled.
 struct polled : simulated::simulated_c630s {

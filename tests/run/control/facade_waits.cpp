@@ -25,7 +25,7 @@ constexpr step with_witness[] = {steps::same_drive()};
 constexpr step set_target[] = {steps::set_arguments<target>()};
 constexpr steps::recheck same_target{.look = &halt_steps[1], .words = {0}};
 constexpr bare::command take_over_witnessed{
-    .steps = look_steps, .kind = command_kind::take_over, .witness = same_target};
+    .steps = look_steps, .then = command_kind::take_over, .witness = same_target};
 
 std::size_t reads_of(const rig& r, unsigned address) {
     std::size_t n = 0;
@@ -222,7 +222,7 @@ TEST_CASE("G20: a drive that was enabled again is not stopped by the command tim
     r.drive.set_command_timeout(milliseconds(100));
     REQUIRE(r.drive.run(move));
     REQUIRE(r.drive.run(halting));
-    REQUIRE(r.drive.run(bare::command{.steps = look_steps, .kind = command_kind::power}));
+    REQUIRE(r.drive.run(bare::command{.steps = look_steps, .then = command_kind::power}));
     r.port.frames.clear();
     r.loop(500);
     CHECK(r.halts() == 0);

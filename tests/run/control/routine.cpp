@@ -153,7 +153,7 @@ TEST_CASE("a routine is a range of the steps of its table") {
     const routine whole{fixture::two_stops};
     CHECK(routine{kept}.data() == kept.data());
     CHECK(routine{kept}.size() == 2);
-    CHECK(routine{}.begin() == routine{}.end());
+    CHECK(routine{no_steps}.begin() == routine{no_steps}.end());
     std::size_t at = 0;
     for (const step& s : whole) CHECK(&s == &fixture::two_stops[at++]);
     CHECK(at == 2);
@@ -455,7 +455,7 @@ TEST_CASE("G21: after a read without a response the witness is read before the r
         rig r;
         r.file.words[mode_at] = 3;
         REQUIRE(r.run({.steps = fixture::only_look,
-                       .kind = command_kind::take_over,
+                       .then = command_kind::take_over,
                        .witness = {&fixture::check_mode, {3, 0}}}));
         r.file.words[mode_at] = 4; // another mode since a restart
         if (is_missing) r.mute(state_at, 1);

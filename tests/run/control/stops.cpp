@@ -289,7 +289,7 @@ TEST_CASE(
             CAPTURE(is_first_lost);
             CAPTURE(is_second_lost);
             rig r;
-            REQUIRE(r.machine.begin(bare::command{.steps = read_only, .kind = command_kind::take_over}) ==
+            REQUIRE(r.machine.begin(bare::command{.steps = read_only, .then = command_kind::take_over}) ==
                     errc::ok);
             CHECK(r.go_on(0));
             REQUIRE(r.machine.state() == drive_state::enabled);

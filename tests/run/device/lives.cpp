@@ -381,7 +381,7 @@ TEST_CASE_TEMPLATE(
         return i;
     };
     const std::int64_t start = 2'147'483'000;
-    y::prepared_command move{};
+    y::prepared_command move{.steps = no_steps};
     move.then = y::effect::moved;
     move.has_target = true;
     move.target = 2'000;

@@ -139,7 +139,7 @@ TEST_CASE("A61: a wait for a move that rests at the end of the counter's range, 
         return std::array<u16, 7>{0, 0, 0, 0, static_cast<u16>(bits >> 16), static_cast<u16>(bits & 0xFFFF),
                                   0};
     };
-    prepared_command move{};
+    prepared_command move{.steps = no_steps};
     move.then = effect::moved;
     move.has_target = true;
     move.target = 2'000;

@@ -89,9 +89,16 @@ struct sees_no_fault : winch::model {
     static constexpr verdict judge(const std::uint16_t*, settings&) { return verdict::as_expected; }
 };
 struct turn_is_no_motion : winch::model {
-    static constexpr command_kind kind_of(const prepared_command& c) {
-        return c.then == winch::effect::turned ? command_kind::other : winch::model::kind_of(c);
-    }
+    struct own_kinds {
+        constexpr command_kind operator[](winch::effect e) const {
+            return e == winch::effect::turned ? command_kind::other : winch::model::kinds[e];
+        }
+        constexpr bool is_complete() const { return true; }
+    };
+    static constexpr own_kinds kinds{};
+};
+struct stays_energised : winch::model {
+    static constexpr bool stops_after_restart = false;
 };
 struct learns_no_disable : winch::model {
     constexpr errc learn(prepared_command& c, slice<const std::uint16_t> words, settings& known) {
@@ -137,6 +144,20 @@ constexpr prepared_command plan(halt, const blind_settings&) {
 }
 struct halts_nothing : planned_otherwise<halts_nothing, blind_settings> {};
 
+constexpr step off_once[] = {steps::write<winch::control_word>(winch::control_code::off),
+                             routines::until_off};
+constexpr step hold_once[] = {steps::write<winch::control_word>(winch::control_code::hold),
+                              routines::until_still};
+struct once_settings : winch::cached_settings {};
+constexpr prepared_command plan(disable, const once_settings&) {
+    return {.steps = off_once, .then = winch::effect::disabled, .stop = stop_priority::disable};
+}
+constexpr prepared_command plan(halt, const once_settings& known) {
+    const bool is_held = known.state == drive_state::enabled;
+    return {.steps = is_held ? hold_once : off_once, .stop = stop_priority::halt};
+}
+struct stops_once : planned_otherwise<stops_once, once_settings> {};
+
 constexpr step energise_only[] = {steps::write<winch::control_word>(winch::control_code::hold)};
 struct bold_settings : winch::cached_settings {};
 constexpr prepared_command plan(init, const bold_settings&) {
@@ -164,6 +185,8 @@ TEST_CASE("the stop of a supervisor stops nothing") { CHECK(has(broken_by<stops_
 TEST_CASE("a disable that is no stop") { CHECK(has(broken_by<disable_is_no_stop>(), "G25")); }
 TEST_CASE("feedback is accepted before init") { CHECK(has(broken_by<reads_before_init>(), "G21")); }
 TEST_CASE("a halt that stops nothing") { CHECK(has(broken_by<halts_nothing>(), "G26")); }
+TEST_CASE("a stop that is not repeated") { CHECK(has(broken_by<stops_once>(), "G26")); }
+TEST_CASE("a restarted drive that stays energised") { CHECK(has(broken_by<stays_energised>(), "S5")); }
 TEST_CASE("an init that energises") { CHECK_FALSE(broken_by<init_energises>().empty()); }
 
 } // namespace conformance_of_mistakes_tests

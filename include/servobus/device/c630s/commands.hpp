@@ -83,7 +83,7 @@ struct enable_in {
 
     constexpr prepared_command plan(const cached_settings& cached) const {
         const auto from = static_cast<std::uint16_t>(positions);
-        routine steps{};
+        routine steps = no_steps;
         switch (mode) {
         case control_mode::speed: steps = routines::enable_speed; break;
         case control_mode::torque: steps = routines::enable_torque; break;

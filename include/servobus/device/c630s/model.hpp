@@ -12,6 +12,7 @@
 #include <cstddef>
 #include <cstdint>
 
+#include <servobus/control/command_kinds.hpp>
 #include <servobus/control/facade.hpp>
 #include <servobus/control/slower_blocks.hpp>
 #include <servobus/device/c630s/commands.hpp>
@@ -63,39 +64,22 @@ class model {
     /// servo-on is wired.
     static constexpr bool disable_replaces_quick_stop = true;
 
-    static constexpr command_kind kind_of(const prepared_command& c) {
-        switch (c.then) {
-        case effect::initialised:
-        case effect::looked:
-        case effect::taken_over: return command_kind::take_over;
-        case effect::enabled:
-        case effect::runs_speed_segments:
-        case effect::stopped:
-        case effect::disabled:
-        case effect::disabled_for_reset:
-        case effect::reset:
-        case effect::quick_stopped: return command_kind::power;
-        case effect::driven:
-        case effect::jogged:
-        case effect::segment_selected:
-        case effect::runs_segments: return command_kind::endless_motion;
-        case effect::moved:
-        case effect::homed: return command_kind::move;
-        case effect::seen: return command_kind::refresh;
-        case effect::keeping:
-        case effect::block_set:
-        case effect::set_up:
-        case effect::needs_power_cycle:
-        case effect::torque_limited:
-        case effect::speed_limited:
-        case effect::parameter_set:
-        case effect::pair_set:
-        case effect::forgotten:
-        case effect::record_read:
-        case effect::assigned: return command_kind::setting;
-        default: return command_kind::other;
-        }
-    }
+    static constexpr auto kinds =
+        command_kinds<effect>{}
+            .of(command_kind::take_over, effect::initialised, effect::looked, effect::taken_over)
+            .of(command_kind::power, effect::enabled, effect::runs_speed_segments, effect::stopped,
+                effect::disabled, effect::disabled_for_reset, effect::reset, effect::quick_stopped)
+            .of(command_kind::endless_motion, effect::driven, effect::jogged, effect::segment_selected,
+                effect::runs_segments)
+            .of(command_kind::move, effect::moved, effect::homed)
+            .of(command_kind::refresh, effect::seen)
+            .of(command_kind::setting, effect::keeping, effect::block_set, effect::set_up,
+                effect::needs_power_cycle, effect::torque_limited, effect::speed_limited,
+                effect::parameter_set, effect::pair_set, effect::forgotten, effect::record_read,
+                effect::assigned)
+            .of(command_kind::other, effect::none, effect::examined, effect::halted, effect::jog_halted,
+                effect::home_looked_at, effect::arrived, effect::stood, effect::position_read,
+                effect::positions_compared, effect::rivals_seen);
 
     /// Before the set-up the outputs have no meaning.
     static constexpr bool is_faulted(const std::uint16_t* w, const settings& known) {
@@ -244,7 +228,7 @@ class model {
         const bool is_answer = r.error() != errc::port_lost && r.error() != errc::clock_stopped;
         const bool is_restart = known.state == drive_state::enabled && r.error() == errc::needs_init;
         const bool is_energised =
-            kind_of(c) == command_kind::power && detail::may_have_written<virtual_input_levels>(failed, r);
+            kinds[c.then] == command_kind::power && detail::may_have_written<virtual_input_levels>(failed, r);
         const bool is_homing = was == effect::homed && r.step >= routines::home_step;
         // The drive has restarted, or may have: what the stop does up to its servo-off got no response.
         const bool is_cut = switches_off(was) && known.is_marked() &&
@@ -281,7 +265,7 @@ class model {
 
   private:
     static constexpr bool changes_inputs(const prepared_command& c) {
-        const command_kind kind = kind_of(c);
+        const command_kind kind = kinds[c.then];
         if (kind == command_kind::take_over || kind == command_kind::power) return true;
         if (kind == command_kind::endless_motion) return c.then != effect::driven;
         return c.then == effect::moved || c.then == effect::jog_halted;

@@ -104,11 +104,12 @@ enum class effect : std::uint8_t {
     positions_compared,
     rivals_seen, ///< terminals that may have the function that one is to get
     assigned,    ///< a terminal's function was written
+    end
 };
 
 /// A command made ready: steps and arguments, or the reason why it is refused here.
 struct prepared_command {
-    routine steps{};
+    routine steps;
     steps::arguments arguments{};
     effect then = effect::none;
     control_mode mode = control_mode::position;
@@ -153,7 +154,7 @@ namespace detail {
 using servobus::commands::count_in, servobus::commands::first_error, servobus::commands::in_range,
     servobus::commands::as_word;
 
-constexpr prepared_command refused(errc why) { return {.refusal = why}; }
+constexpr prepared_command refused(errc why) { return {.steps = no_steps, .refusal = why}; }
 
 constexpr errc needs_init_done(const cached_settings& cached) {
     return cached.is_initialised() ? errc::ok : errc::needs_init;

@@ -16,6 +16,15 @@
 #include <servobus/control/step.hpp>
 #include <servobus/device/c630s/terminals.hpp>
 
+namespace servobus {
+template <> inline constexpr auto stop_words<c630s::target_speed> = words_that_stop(0);
+template <> inline constexpr auto stop_words<c630s::target_torque> = words_that_stop(0);
+/// All inputs off, with or without the marker that shows a restart.
+template <>
+inline constexpr auto stop_words<c630s::virtual_input_levels> = words_that_stop(0, c630s::terminal::marker);
+template <> inline constexpr auto stop_words<c630s::emergency_stop> = words_that_stop(c630s::action::execute);
+} // namespace servobus
+
 namespace servobus::c630s::routines {
 
 // clang-format off

@@ -40,7 +40,7 @@ class set_up_progress {
             is_right = is_right && held[i] == wanted[i];
         }
         if (is_right) return next();
-        if (!may_write_) return {};
+        if (!may_write_) return {.steps = no_steps};
         if (!is_keeping_) return {.steps = routines::begin_keeping, .then = effect::keeping};
         return {
             .steps = routines::set_block, .arguments = wanted, .then = effect::block_set, .shift = shift()};
@@ -51,7 +51,7 @@ class set_up_progress {
     }
     constexpr prepared_command next() {
         if (++block_ < detail::set_up_block_count) return look();
-        if (!is_keeping_) return {};
+        if (!is_keeping_) return {.steps = no_steps};
         return {.steps = routines::end_keeping, .then = effect::set_up};
     }
 

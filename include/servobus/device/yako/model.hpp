@@ -13,6 +13,7 @@
 #include <cstdint>
 #include <type_traits>
 
+#include <servobus/control/command_kinds.hpp>
 #include <servobus/control/facade.hpp>
 #include <servobus/device/yako/motion.hpp>
 #include <servobus/device/yako/parameters.hpp>
@@ -42,38 +43,19 @@ template <class Device> class model {
     /// The shaft stays held: a release would let a load fall.
     static constexpr stop_priority stop_at_fault = stop_priority::halt;
 
-    static constexpr command_kind kind_of(const prepared_command& c) {
-        switch (c.then) {
-        case effect::initialised:
-        case effect::marked: return command_kind::take_over;
-        case effect::enabled:
-        case effect::disabled:
-        case effect::quick_stopped:
-        case effect::alarm_cleared: return command_kind::power;
-        case effect::moved:
-        case effect::crept:
-        case effect::homed: return command_kind::move;
-        case effect::jogged: return command_kind::endless_motion;
-        case effect::seen: return command_kind::refresh;
-        case effect::kept:
-        case effect::profile_set:
-        case effect::homing_profile_set:
-        case effect::limited:
-        case effect::unlimited:
-        case effect::word_order_set:
-        case effect::resolution_set:
-        case effect::forgotten:
-        case effect::reset:
-        case effect::position_cleared:
-        case effect::segment_set: return command_kind::setting;
-        case effect::none:
-        case effect::trusted:
-        case effect::positions_compared:
-        case effect::arrived:
-        case effect::stop_examined: break;
-        }
-        return command_kind::other;
-    }
+    static constexpr auto kinds =
+        command_kinds<effect>{}
+            .of(command_kind::take_over, effect::initialised, effect::marked)
+            .of(command_kind::power, effect::enabled, effect::disabled, effect::quick_stopped,
+                effect::alarm_cleared)
+            .of(command_kind::move, effect::moved, effect::crept, effect::homed)
+            .of(command_kind::endless_motion, effect::jogged)
+            .of(command_kind::refresh, effect::seen)
+            .of(command_kind::setting, effect::kept, effect::profile_set, effect::homing_profile_set,
+                effect::limited, effect::unlimited, effect::word_order_set, effect::resolution_set,
+                effect::forgotten, effect::reset, effect::position_cleared, effect::segment_set)
+            .of(command_kind::other, effect::none, effect::trusted, effect::positions_compared,
+                effect::arrived, effect::stop_examined);
 
     static constexpr bool is_faulted(const std::uint16_t* w, const settings&) {
         return status_of(w).has_alarm();
@@ -134,7 +116,7 @@ template <class Device> class model {
         if (has(c.needs, requirement::homed) && !known.is_homed) return errc::needs_homing;
         if (goes_on) {
             motion_.note(motion_check::seen);
-            c.steps = {};
+            c.steps = no_steps;
         } else if (is_motion(c.then)) {
             motion_.begin(c, w, known);
             if (c.then == effect::homed) lose_home(known);

@@ -83,6 +83,7 @@ enum class effect : std::uint8_t {
     segment_set,   ///< position segment 16, which has the marker otherwise
     arrived,       ///< the end of a move was waited for
     stop_examined, ///< what may have stopped it short was read
+    end
 };
 
 /// What the drive must be like before a command is sent.
@@ -105,7 +106,7 @@ inline constexpr requirement at_rest_and_able =
 
 /// A command made ready: steps and arguments, or the reason why it is refused here.
 struct prepared_command {
-    routine steps{};
+    routine steps;
     steps::arguments arguments{};
     std::uint16_t shift = 0;
     effect then = effect::none;

@@ -17,6 +17,14 @@
 #include <servobus/device/yako/closed_loop.hpp>
 #include <servobus/device/yako/open_loop.hpp>
 
+namespace servobus {
+template <>
+inline constexpr auto stop_words<yako::motion_command> = words_that_stop(yako::motion_code::stop(),
+                                                                         yako::motion_code::emergency_stop());
+template <>
+inline constexpr auto stop_words<yako::auxiliary_command> = words_that_stop(yako::auxiliary::release);
+} // namespace servobus
+
 namespace servobus::yako::routines {
 
 namespace cl = closed_loop;

@@ -35,7 +35,7 @@ constexpr routine enable_routine(operating_mode mode) {
     case operating_mode::absolute_position: return routines::enable_absolute_position;
     case operating_mode::undefined: break;
     }
-    return {};
+    return no_steps;
 }
 } // namespace detail
 
@@ -108,7 +108,7 @@ constexpr void plan_quick_stop(prepared_command& o, const cached_settings& cache
 /// `quick_stop` or `disable`. Where nothing is known of the drive it stops by every means and ends the
 /// operation, as `init` does.
 constexpr prepared_command plan(halt, const cached_settings& cached) {
-    prepared_command o{.stop = stop_priority::halt};
+    prepared_command o{.steps = no_steps, .stop = stop_priority::halt};
     if (!detail::plan_halt(o, cached)) o.refusal = errc::wrong_state;
     return o;
 }
@@ -116,7 +116,7 @@ constexpr prepared_command plan(halt, const cached_settings& cached) {
 /// Stops both wheels by 2011h and holds them there until the next enable. Section 3.4. A drive that is known
 /// to be disabled has nothing to hold and is stopped as `disable` does.
 constexpr prepared_command plan(quick_stop, const cached_settings& cached) {
-    prepared_command o{.stop = stop_priority::quick_stop};
+    prepared_command o{.steps = no_steps, .stop = stop_priority::quick_stop};
     detail::plan_quick_stop(o, cached);
     return o;
 }

@@ -10,6 +10,7 @@
 
 #include <cstdint>
 
+#include <servobus/control/command_kinds.hpp>
 #include <servobus/control/facade.hpp>
 #include <servobus/device/zlac8015d/commands.hpp>
 
@@ -42,25 +43,16 @@ class model {
     static constexpr stop_priority stop_at_fault = stop_priority::disable;
     static constexpr drive_state faulted = drive_state::faulted;
 
-    static constexpr command_kind kind_of(const prepared_command& c) {
-        switch (c.then) {
-        case effect::initialised: return command_kind::take_over;
-        case effect::enabled:
-        case effect::disabled:
-        case effect::quick_stopped: return command_kind::power;
-        case effect::timeout_set:
-        case effect::resolution_set:
-        case effect::forgotten: return command_kind::setting;
-        case effect::moved: return command_kind::move;
-        case effect::motion: return command_kind::endless_motion;
-        case effect::seen: return command_kind::refresh;
-        case effect::none:
-        case effect::positions_compared:
-        case effect::positions_cleared:
-        case effect::arrived: break;
-        }
-        return command_kind::other;
-    }
+    static constexpr auto kinds =
+        command_kinds<effect>{}
+            .of(command_kind::take_over, effect::initialised)
+            .of(command_kind::power, effect::enabled, effect::disabled, effect::quick_stopped)
+            .of(command_kind::setting, effect::timeout_set, effect::resolution_set, effect::forgotten)
+            .of(command_kind::move, effect::moved)
+            .of(command_kind::endless_motion, effect::motion)
+            .of(command_kind::refresh, effect::seen)
+            .of(command_kind::other, effect::none, effect::positions_compared, effect::positions_cleared,
+                effect::arrived);
 
     static constexpr bool is_faulted(const std::uint16_t* w, const settings&) {
         return w[3] != 0 || w[4] != 0 || is_either(w[0], shaft_state::alarm);
@@ -171,6 +163,7 @@ class model {
         case effect::positions_compared: motion_ = compared(words); break;
         case effect::positions_cleared: goals_ = 0; break;
         case effect::moved: keep_goals(c, words, known); break;
+        case effect::end:
         case effect::none:
         case effect::motion:
         case effect::seen:

@@ -58,11 +58,12 @@ enum class effect : std::uint8_t {
     positions_compared,
     positions_cleared,
     arrived, ///< the end of a move was waited for
+    end
 };
 
 /// A command made ready: steps and arguments, or the reason why it is refused here.
 struct prepared_command {
-    routine steps{};
+    routine steps;
     steps::arguments arguments{};
     effect then = effect::none;
     operating_mode mode = operating_mode::undefined;

@@ -15,6 +15,16 @@
 #include <servobus/control/step.hpp>
 #include <servobus/device/zlac8015d/registers.hpp>
 
+namespace servobus {
+template <>
+inline constexpr auto stop_words<zlac8015d::control_word> =
+    words_that_stop(zlac8015d::control_code::stop, zlac8015d::control_code::quick_stop);
+template <> inline constexpr auto stop_words<zlac8015d::left_target_speed> = words_that_stop(0);
+template <> inline constexpr auto stop_words<zlac8015d::right_target_speed> = words_that_stop(0);
+template <> inline constexpr auto stop_words<zlac8015d::left_target_torque> = words_that_stop(0);
+template <> inline constexpr auto stop_words<zlac8015d::right_target_torque> = words_that_stop(0);
+} // namespace servobus
+
 namespace servobus::zlac8015d::routines {
 
 // clang-format off

@@ -35,6 +35,10 @@ template <class Subject> class conformance_judge {
     }
     std::uint32_t findings() const { return findings_; }
     bool is_undisturbed() const { return now_.first.what == mishap::none; }
+    bool is_one_frame_lost() const {
+        return now_.first.what >= mishap::request_lost && now_.first.what <= mishap::response_damaged &&
+               now_.second.what == mishap::none;
+    }
 
     // Judges a command that has ended well: the drive was at some time since the last request as it says.
     template <class Command> void judge_done(trial_type& t, const Command&, const expected& does) {

@@ -1,0 +1,49 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// Which words of a register stop the motor, so that a frame with them may be sent again. control/step.hpp includes it; the
+// author of a drive names them beside its routines, outside its namespace, for each register that may also start something
+// (`trigger`, `motion`), by a specialisation of `stop_words`; examples/own_device/own_drive.hpp has one.
+//
+//     static_assert(stop_words<zlac8015d::control_word>.contains(0x0007));  // stop
+//     static_assert(!stop_words<zlac8015d::control_word>.contains(0x0008)); // enable
+#pragma once
+
+#include <servobus/core/cxx20.hpp>
+
+#include <cstddef>
+#include <cstdint>
+#include <type_traits>
+
+#include <servobus/registers/wire.hpp>
+
+namespace servobus {
+
+/// Words of one register.
+template <std::size_t N> struct stop_word_set {
+    std::uint16_t words[N == 0 ? 1 : N]{};
+
+    constexpr bool contains(std::uint16_t word) const {
+        for (std::size_t i = 0; i < N; ++i) {
+            if (words[i] == word) return true;
+        }
+        return false;
+    }
+};
+
+/// Codes and flags of a register, or plain words: `words_that_stop(0)` for a target of which zero is standstill.
+template <class... Values> consteval stop_word_set<sizeof...(Values)> words_that_stop(Values... values) {
+    constexpr auto word = [](auto value) {
+        if constexpr (std::is_integral_v<decltype(value)>) {
+            return static_cast<std::uint16_t>(value);
+        } else {
+            return static_cast<std::uint16_t>(to_bits(value));
+        }
+    };
+    return {{word(values)...}};
+}
+
+/// The words that stop the motor when they are written to `R`; none if nobody has named them.
+template <const auto& R> inline constexpr stop_word_set<0> stop_words{};
+
+} // namespace servobus

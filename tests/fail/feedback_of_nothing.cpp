@@ -1,0 +1,17 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// A model whose feedback is empty.
+// EXPECT: the feedback of a model is at least one register
+// MEND: static constexpr servobus::register_block image{zlac::status_word.address, 1};
+#include <servobus/device/zlac8015d.hpp>
+
+#include "program.hpp"
+
+using namespace servobus;
+
+struct model : zlac::model {
+    static constexpr register_block image{zlac::status_word.address, 0}; // wrong
+};
+
+int main() { return sizeof(facade<model, line<some_port>>) == 0 ? 1 : 0; }

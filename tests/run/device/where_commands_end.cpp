@@ -1,0 +1,108 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// A command that fails tells the register of the step at which it ended. Judged by the frame on the wire that the drive has
+// refused.
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+#include <doctest/doctest.h>
+
+#include <servobus/control/command_text.hpp>
+#include <servobus/servobus.hpp>
+
+#include <examples/own_device/own_subject.hpp>
+#include <tests/support/conformance_subjects.hpp>
+
+namespace where_commands_end_tests {
+
+using namespace servobus;
+
+namespace {
+
+struct count {
+    unsigned with_register = 0;
+    unsigned without = 0;
+};
+
+/// The address and the number of registers of a request, counted from the last one.
+template <class Trial> std::pair<unsigned, unsigned> request_before(Trial& t, unsigned from_last) {
+    std::vector<std::pair<unsigned, unsigned>> all;
+    for (const sim::traced_frame& f : t.trace()) {
+        if (!f.is_request) continue;
+        const unsigned registers = f.data[1] == 6 ? 1u : f.data[4] * 256u + f.data[5];
+        all.emplace_back(f.data[2] * 256u + f.data[3], registers);
+    }
+    REQUIRE(all.size() > from_last);
+    return all[all.size() - 1 - from_last];
+}
+
+template <class Subject, class Enable, class Command>
+void refuse_each_request(const char* name, const Enable& enabled_by, const Command& wanted, count& seen) {
+    for (unsigned r = 0; r < 40; ++r) {
+        sim::trial<Subject> t{0};
+        REQUIRE(Subject::take_over(t.drive(), t.machine()));
+        REQUIRE(t.run(disable{}));
+        if constexpr (!std::is_same_v<Enable, disable>) REQUIRE(t.run(enabled_by));
+        t.watch({sim::mishap::refused, r});
+        const routine_status ended = t.run(wanted);
+        if (!t.has_happened(sim::mishap::refused)) break;
+        if (ended.error() != errc::exception) continue; // a read that was not the command's own
+        const auto [address, registers] = request_before(t, t.requests() - r - 1);
+        const std::string where = std::string{name} + ", request " + std::to_string(r);
+        CAPTURE(where);
+        if (!ended.has_register()) {
+            ++seen.without;
+            continue;
+        }
+        ++seen.with_register;
+        CHECK(ended.register_address() >= address);
+        CHECK(ended.register_address() < address + registers);
+    }
+}
+template <class Subject> count refuse_all() {
+    count seen;
+    Subject::commands(
+        [&](const char* name, const auto& enabled_by, const auto& wanted, const sim::expected&) {
+            refuse_each_request<Subject>(name, enabled_by, wanted, seen);
+        });
+    refuse_each_request<Subject>("init", disable{}, init{}, seen);
+    refuse_each_request<Subject>("enable", disable{}, enable{}, seen);
+    return seen;
+}
+
+} // namespace
+
+TEST_CASE("the register at which a command ended is that of the request which the drive refused") {
+    CHECK(refuse_all<winch::subject>().with_register >= 10);
+    CHECK(refuse_all<subjects::wheels<>>().with_register >= 30);
+    const count axis = refuse_all<subjects::closed_axis<>>();
+    CHECK(axis.with_register >= 15);
+    CHECK(axis.without >= 5); // questions to the feedback, and the marker
+    CHECK(refuse_all<subjects::servo<>>().with_register >= 30);
+}
+
+TEST_CASE("a command that is refused before anything is sent, or that is done at once, names no register") {
+    sim::trial<winch::subject> t{0};
+    CHECK_FALSE(t.run(enable{}).has_register());
+    CHECK_FALSE(routine_status{}.has_register());
+    CHECK_FALSE(routine_status{errc::out_of_range}.has_register());
+}
+
+TEST_CASE("commands and steps have names") {
+    CHECK(std::string_view{command_text<zlac8015d::move_by>} == "move_by");
+    CHECK(std::string_view{command_text<init>} == "init");
+    CHECK(std::string_view{command_text<yako::declare_position>} == "declare_position");
+    CHECK(std::string_view{command_text<winch::turn>} == "turn");
+    for (unsigned k = 0; k <= static_cast<unsigned>(step::kind::witness); ++k) {
+        CHECK(std::string_view{text(static_cast<step::kind>(k))} != "unknown");
+        for (unsigned other = 0; other < k; ++other)
+            CHECK(std::string_view{text(static_cast<step::kind>(k))} != text(static_cast<step::kind>(other)));
+    }
+}
+
+} // namespace where_commands_end_tests
