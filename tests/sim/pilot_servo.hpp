@@ -11,6 +11,8 @@
 #include <servobus/device/c630s.hpp>
 #include <servobus/sim/c630s.hpp>
 
+#include <tests/support/seen_machines.hpp>
+
 #include "pilot.hpp"
 #include "servo.hpp"
 
@@ -22,6 +24,7 @@ template <class Line>
 class servo_pilot final : public pilot_of<Line, servo_place<Line>, servobus::c630s::drive> {
     using base = pilot_of<Line, servo_place<Line>, servobus::c630s::drive>;
     using errc = servobus::errc;
+    using view = seen::servo;
     using control = servobus::c630s::control_mode;
 
   public:
@@ -96,19 +99,16 @@ class servo_pilot final : public pilot_of<Line, servo_place<Line>, servobus::c63
         return is_one_of(stops, frame);
     }
 
-    places shaft() override { return {in_units(model().position()), 0}; }
+    places shaft() override { return {view::place(model()), 0}; }
     places shown() override {
         return {static_cast<std::int32_t>(model().peek(servobus::c630s::absolute_position.address)), 0};
     }
-    bool stands() override {
-        constexpr std::int64_t trembling = 3'000'000;
-        return model().speed() < trembling && model().speed() > -trembling;
-    }
-    bool has_power() override { return model().enabled() && !has_fault(); }
-    bool has_fault() override { return model().has_fault(); }
+    bool stands() override { return view::is_slow(model()); }
+    bool has_power() override { return view::is_energised(model()) && !has_fault(); }
+    bool has_fault() override { return view::has_fault(model()); }
     void fall_ill(scene& on) override {
-        if (on.one_in(4)) return model().set_input(6, true);
-        model().raise(0x620, true);
+        if (on.one_in(4)) return view::press_stop(model());
+        view::have_fault(model());
     }
     bool shows_restarts_in_stop() const override { return false; }
     std::uint16_t marker_register() const override { return servobus::c630s::virtual_input_levels.address; }
@@ -120,8 +120,8 @@ class servo_pilot final : public pilot_of<Line, servo_place<Line>, servobus::c63
         return drive().cached().state > servobus::c630s::drive_state::needs_power_cycle;
     }
     void recover() override {
-        model().end_causes();
-        model().set_input(6, false);
+        view::end_fault(model());
+        view::release_stop(model());
     }
 
   private:
@@ -135,7 +135,6 @@ class servo_pilot final : public pilot_of<Line, servo_place<Line>, servobus::c63
         return servobus::words_view{servobus::bytes{raw}.first(2 * words.size())};
     }
     void hold(std::uint16_t address, std::uint16_t word) { (void)model().write(address, words_of({word})); }
-    static std::int64_t in_units(std::int64_t counts) { return counts * 10'000 / 131'072; }
 
     template <class Command> errc order(const Command& c) {
         const errc refusal = drive().begin(c);

@@ -11,6 +11,8 @@
 #include <servobus/device/yako.hpp>
 #include <servobus/sim/yako.hpp>
 
+#include <tests/support/seen_machines.hpp>
+
 #include "pilot.hpp"
 
 namespace trial {
@@ -23,6 +25,7 @@ template <class Line>
 class stepper_pilot final : public pilot_of<Line, stepper_place<Line>, servobus::yako::closed_loop::drive> {
     using base = pilot_of<Line, stepper_place<Line>, servobus::yako::closed_loop::drive>;
     using errc = servobus::errc;
+    using view = seen::stepper;
 
   public:
     stepper_pilot(stepper_place<Line>& at, Line& on, servobus::duration every) : base{at, on, every} {
@@ -73,22 +76,22 @@ class stepper_pilot final : public pilot_of<Line, stepper_place<Line>, servobus:
         return is_one_of(stops, frame);
     }
 
-    places shaft() override { return {model().view().shaft, 0}; }
+    places shaft() override { return {view::place(model()), 0}; }
     places shown() override { return {model().view().position, 0}; }
-    bool stands() override { return !model().view().is_moving && model().view().speed == 0; }
-    bool has_power() override { return model().enabled() && model().alarm() == 0; }
-    bool has_fault() override { return model().alarm() != 0; }
+    bool stands() override { return !view::is_turning(model()) && model().view().speed == 0; }
+    bool has_power() override { return view::is_energised(model()) && !has_fault(); }
+    bool has_fault() override { return view::has_fault(model()); }
     void fall_ill(scene& on) override {
         using servobus::yako::input_function;
         if (!on.one_in(4)) return model().raise_alarm(static_cast<std::uint16_t>(on.between(1, 5)));
         const auto what = on.one_in(2) ? input_function::motor_free : input_function::stop;
         const std::array<std::uint8_t, 2> word{0, static_cast<std::uint8_t>(what)};
         (void)model().write(servobus::yako::x3_function.address, servobus::words_view{word});
-        model().set_input(3, true);
+        view::press_stop(model());
     }
     void recover() override {
-        model().end_alarm();
-        model().set_input(3, false);
+        view::end_fault(model());
+        view::release_stop(model());
     }
     bool shows_restarts() const override {
         return this->template chosen<servobus::sim::yako_options>().kept != servobus::sim::yako_kept::written;

@@ -10,6 +10,8 @@
 #include <servobus/device/zlac8015d.hpp>
 #include <servobus/sim/zlac8015d.hpp>
 
+#include <tests/support/seen_machines.hpp>
+
 #include "pilot.hpp"
 
 namespace trial {
@@ -22,6 +24,7 @@ class wheels_pilot final : public pilot_of<Line, wheels_place<Line>, servobus::z
     using base = pilot_of<Line, wheels_place<Line>, servobus::zlac8015d::drive>;
     using errc = servobus::errc;
     using mode = servobus::zlac8015d::operating_mode;
+    using view = seen::wheels;
 
   public:
     wheels_pilot(wheels_place<Line>& at, Line& on, servobus::duration every) : base{at, on, every} {
@@ -81,20 +84,17 @@ class wheels_pilot final : public pilot_of<Line, wheels_place<Line>, servobus::z
         using namespace servobus::zlac8015d;
         return {pair_at(left_actual_position.address), pair_at(right_actual_position.address)};
     }
-    bool stands() override { return is_slow(model().left()) && is_slow(model().right()); }
-    bool has_power() override { return model().enabled() && !has_fault(); }
-    bool has_fault() override {
-        using namespace servobus::zlac8015d;
-        return model().peek(left_faults.address) != 0 || model().peek(right_faults.address) != 0;
-    }
+    bool stands() override { return !view::is_turning(model()); }
+    bool has_power() override { return view::is_energised(model()) && !has_fault(); }
+    bool has_fault() override { return view::has_fault(model()); }
     void fall_ill(scene& on) override {
         using servobus::zlac8015d::fault;
-        if (on.one_in(4)) return model().set_input(true, false);
+        if (on.one_in(4)) return view::press_stop(model());
         model().raise(on.one_in(2) ? fault::overcurrent : fault::none, fault::overcurrent);
     }
     void recover() override {
-        model().set_input(false, false);
-        model().end_faults();
+        view::release_stop(model());
+        view::end_fault(model());
     }
     bool shows_restarts_at_rest() const override { return false; }
     bool has_watchdog() const override { return true; }
@@ -104,10 +104,6 @@ class wheels_pilot final : public pilot_of<Line, wheels_place<Line>, servobus::z
     const auto& drive() const { return base::drive; }
     using base::model;
 
-    static bool is_slow(const servobus::sim::wheel_view& w) {
-        constexpr std::int64_t too_fast = 2'100'000;
-        return w.speed < too_fast && w.speed > -too_fast && !w.is_moving;
-    }
     std::int64_t pair_at(std::uint16_t address) {
         const std::uint32_t low = model().peek(static_cast<std::uint16_t>(address + 1));
         return static_cast<std::int32_t>(std::uint32_t{model().peek(address)} << 16 | low);

@@ -14,6 +14,8 @@
 #include <servobus/sim/c630s.hpp>
 #include <servobus/sim/line.hpp>
 
+#include <tests/support/seen_machines.hpp>
+
 #include "expected_end.hpp"
 #include "facade.hpp"
 
@@ -52,6 +54,8 @@ inline const std::vector<c630s_setting>& prepared_c630s() {
 }
 
 class servo final : public facade_of<servo_participant, servobus::c630s::drive<plain_line>> {
+    using view = seen::servo;
+
   public:
     using facade_of::facade_of;
 
@@ -111,12 +115,8 @@ class servo final : public facade_of<servo_participant, servobus::c630s::drive<p
             {.name = "disable", .is_stop = true, .is_carried_out = [this] { return is_off() && stands(); }});
     }
 
-    // As slow as the facade accepts as standstill.
-    bool stands() override {
-        constexpr std::int64_t trembling = 3'000'000;
-        return model().speed() < trembling && model().speed() > -trembling;
-    }
-    std::uint32_t starts() override { return model().starts(); }
+    bool stands() override { return view::is_slow(model()); }
+    std::uint32_t starts() override { return view::starts(model()); }
     std::uint32_t enables() override { return model().enables(); }
     std::uint64_t motion() override {
         using namespace servobus::c630s;
@@ -139,7 +139,7 @@ class servo final : public facade_of<servo_participant, servobus::c630s::drive<p
     bool has_witness() const override { return is_marked_; }
     bool shows_restarts() const override { return is_marked_; }
 
-    bool is_able() override { return model().enabled() && !model().has_fault(); }
+    bool is_able() override { return view::is_energised(model()) && !view::has_fault(model()); }
     bool is_enabled_by_level() const override { return true; }
     bool has_goal() const override { return expected_end_.is_known(); }
     // A command that ended within 20 reference units of the target, and the motor within P05-21 of that.
@@ -161,13 +161,13 @@ class servo final : public facade_of<servo_participant, servobus::c630s::drive<p
     void suffer(scene& on) override {
         switch (on.random.below(3)) {
         case 0: return model().raise(0x620);
-        case 1: return model().set_input(6, true); // EmergencyStop from the factory
+        case 1: return view::press_stop(model());
         default: return model().block_shaft(true);
         }
     }
     void recover() override {
-        model().end_causes();
-        model().set_input(6, false);
+        view::end_fault(model());
+        view::release_stop(model());
         model().block_shaft(false);
     }
 

@@ -10,6 +10,8 @@
 #include <servobus/device/yako.hpp>
 #include <servobus/sim/yako.hpp>
 
+#include <tests/support/seen_machines.hpp>
+
 #include "expected_end.hpp"
 #include "facade.hpp"
 
@@ -19,6 +21,8 @@ using stepper_participant =
     participant_of<plain_line, servobus::yako::closed_loop::device, servobus::sim::yako_closed_loop>;
 
 class stepper final : public facade_of<stepper_participant, servobus::yako::closed_loop::drive<plain_line>> {
+    using view = seen::stepper;
+
   public:
     using facade_of::facade_of;
 
@@ -68,8 +72,8 @@ class stepper final : public facade_of<stepper_participant, servobus::yako::clos
                       }});
     }
 
-    bool stands() override { return !model().view().is_moving; }
-    std::uint32_t starts() override { return model().starts(); }
+    bool stands() override { return !view::is_turning(model()); }
+    std::uint32_t starts() override { return view::starts(model()); }
     std::uint32_t enables() override { return 0; }
     std::uint64_t motion() override { return std::uint64_t{1} + starts(); }
 
@@ -78,14 +82,14 @@ class stepper final : public facade_of<stepper_participant, servobus::yako::clos
         return chosen<servobus::sim::yako_options>().kept != servobus::sim::yako_kept::written;
     }
 
-    bool is_able() override { return model().enabled() && model().alarm() == 0; }
+    bool is_able() override { return view::is_energised(model()) && !view::has_fault(model()); }
     bool has_targets() const override { return false; }
     bool has_goal() const override { return expected_end_.is_known(); }
     bool is_at_goal() override {
         constexpr std::int64_t window = 5;
-        return expected_end_.is_end(model().view().shaft, window);
+        return expected_end_.is_end(view::place(model()), window);
     }
-    void note_start() override { expected_end_.start(model().view().shaft, 0); }
+    void note_start() override { expected_end_.start(view::place(model()), 0); }
     void note_end(bool is_done) override { expected_end_.end(is_done); }
     bool is_feedback(servobus::bytes frame) const override {
         return is_read_of(frame, servobus::yako::error_code.address);
@@ -108,8 +112,8 @@ class stepper final : public facade_of<stepper_participant, servobus::yako::clos
         }
     }
     void recover() override {
-        model().end_alarm();
-        model().set_input(3, false);
+        view::end_fault(model());
+        view::release_stop(model());
     }
 
     bool is_stop(servobus::bytes frame) const override {

@@ -11,6 +11,8 @@
 #include <servobus/device/zlac8015d.hpp>
 #include <servobus/sim/zlac8015d.hpp>
 
+#include <tests/support/seen_machines.hpp>
+
 #include "expected_end.hpp"
 #include "facade.hpp"
 
@@ -85,9 +87,9 @@ class wheels final : public facade_of<wheels_participant, servobus::zlac8015d::d
         // varies by 2 r/min at rest [errata B31].
         using options = servobus::sim::zlac8015d_options;
         if (chosen<options>().bit == options::running::turns) return false;
-        return is_slow(model().left()) && is_slow(model().right());
+        return !view::is_turning(model());
     }
-    std::uint32_t starts() override { return model().starts(); }
+    std::uint32_t starts() override { return view::starts(model()); }
     std::uint32_t enables() override { return model().enables(); }
     std::uint64_t motion() override {
         using namespace servobus::zlac8015d;
@@ -105,7 +107,7 @@ class wheels final : public facade_of<wheels_participant, servobus::zlac8015d::d
     bool is_stopped_by_watchdog() override { return model().in_watchdog_stop(); }
     bool has_watchdog() const override { return true; }
 
-    bool is_able() override { return model().enabled() && !has_fault(); }
+    bool is_able() override { return view::is_energised(model()) && !has_fault(); }
     bool shows_plight() override {
         using options = servobus::sim::zlac8015d_options;
         return has_fault() || chosen<options>().after_quick_stop == options::stopped::emergency;
@@ -136,14 +138,14 @@ class wheels final : public facade_of<wheels_participant, servobus::zlac8015d::d
     }
     void suffer(scene& on) override {
         using servobus::zlac8015d::fault;
-        if (on.one_in(2)) return model().set_input(true, false);
+        if (on.one_in(2)) return view::press_stop(model());
         const std::uint32_t which = on.between(1, 3);
         model().raise((which & 1) != 0 ? fault::overcurrent : fault::none,
                       (which & 2) != 0 ? fault::overcurrent : fault::none);
     }
     void recover() override {
-        model().set_input(false, false);
-        model().end_faults();
+        view::release_stop(model());
+        view::end_fault(model());
     }
 
     bool is_stop(servobus::bytes frame) const override {
@@ -175,11 +177,8 @@ class wheels final : public facade_of<wheels_participant, servobus::zlac8015d::d
         return {.command_timeout = milliseconds(400)};
     }
     using mode = servobus::zlac8015d::operating_mode;
+    using view = seen::wheels;
 
-    static bool is_slow(const servobus::sim::wheel_view& w) {
-        constexpr std::int64_t too_fast = 2'100'000; // 10^-6 r/min; the register rounds down to 0.1 r/min
-        return w.speed < too_fast && w.speed > -too_fast && !w.is_moving;
-    }
     bool is_off() { return !model().enabled(); }
     std::uint64_t targets(std::uint16_t left, std::uint16_t right) {
         return std::uint64_t{model().peek(left)} << 16 | model().peek(right);
@@ -187,10 +186,7 @@ class wheels final : public facade_of<wheels_participant, servobus::zlac8015d::d
     bool is_in_speed() const { return drive.cached().mode == mode::velocity; }
     bool is_in_torque() const { return drive.cached().mode == mode::torque; }
 
-    bool has_fault() {
-        using namespace servobus::zlac8015d;
-        return model().peek(left_faults.address) != 0 || model().peek(right_faults.address) != 0;
-    }
+    bool has_fault() { return view::has_fault(model()); }
     std::int64_t shown(std::uint16_t address) {
         const std::uint32_t low = model().peek(static_cast<std::uint16_t>(address + 1));
         return static_cast<std::int32_t>(std::uint32_t{model().peek(address)} << 16 | low);
@@ -209,8 +205,8 @@ class wheels final : public facade_of<wheels_participant, servobus::zlac8015d::d
                            (expected_ends_[1].is_certain() ? 2u : 0u));
     }
     bool do_stand(unsigned which) {
-        return ((which & 1u) == 0 || is_slow(model().left())) &&
-               ((which & 2u) == 0 || is_slow(model().right()));
+        return ((which & 1u) == 0 || !view::is_turning(model().left())) &&
+               ((which & 2u) == 0 || !view::is_turning(model().right()));
     }
     void forget_goals() {
         for (expected_end& c : expected_ends_) c.forget();
