@@ -51,9 +51,9 @@ class Documented(Tool):
                 found.append(option[1].replace("\\", ""))
         return sorted(found)
 
-    def completed(self, line: str, breaks: str = ":=") -> str:
-        """What bash would complete the line with."""
-        words = ["bash", str(HERE / "words.bash"), "completion", self.path, breaks, line]
+    def completed(self, line: str, breaks: str = ":=", kind: str = "9") -> str:
+        """What bash would complete the line with; with the kind 63 what it lists."""
+        words = ["bash", str(HERE / "words.bash"), "completion", self.path, breaks, line, kind]
         return self.run([], program=words).out.strip("\n")
 
 
@@ -223,6 +223,19 @@ COMPLETIONS = [
     ("servobus restore p c630s f --dry-run --d", ""),
     ("servobus restore p c630s f --d", "--dry-run"),
 ]
+
+
+@scene()
+def listed_sentences(tool: Documented):
+    """A list of registers has a sentence for each; what is inserted has none."""
+    listed = tool.completed("servobus map zlac8015d left_max_", kind="63")
+    tool.check("a list has names and sentences", re.search("left_max_current  +[A-Z][a-z]+ ", listed), listed)
+    inserted = tool.completed("servobus map zlac8015d left_max_")
+    tool.check("a tab inserts names alone", all(word.startswith("left_max_") for word in inserted.split()), inserted)
+    alone = tool.completed("servobus map zlac8015d left_max_current", kind="63")
+    tool.is_equal("one alone is inserted without its sentence", alone, "left_max_current")
+    written = tool.completed("servobus write /dev/null zlac8015d left_target_", kind="63")
+    tool.check("for a write too", re.search("left_target_speed=  +[A-Z]", written), written)
 
 
 @scene()

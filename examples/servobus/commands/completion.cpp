@@ -14,14 +14,29 @@ namespace {
 
 constexpr const char bash_script[] = R"(# SPDX-FileCopyrightText: The servobus authors
 # SPDX-License-Identifier: BSL-1.0
-# bash completion of servobus: the tool itself prints how to complete, then the candidates.
+# bash completion of servobus: the tool itself prints how to complete, then the candidates. A candidate may have a
+# sentence about it after a tab, which a list shows.
 _servobus() {
+    local i name widest=0 line
     mapfile -t COMPREPLY < <("${1/#\~/$HOME}" __complete "${COMP_WORDS[@]:1:COMP_CWORD}" 2>/dev/null)
     case ${COMPREPLY[0]} in
     open) compopt -o nospace ;;
     files) compopt -o default ;;
     esac
     COMPREPLY=("${COMPREPLY[@]:1}")
+    for i in "${!COMPREPLY[@]}"; do
+        name=${COMPREPLY[i]%%$'\t'*}
+        ((${#name} > widest)) && widest=${#name}
+    done
+    for i in "${!COMPREPLY[@]}"; do
+        name=${COMPREPLY[i]%%$'\t'*}
+        # 63: a second tab lists what there is. Anything else inserts.
+        if ((COMP_TYPE == 63 && ${#COMPREPLY[@]} > 1)) && [[ $name != "${COMPREPLY[i]}" ]]; then
+            printf -v line '%-*s  %s' "$widest" "$name" "${COMPREPLY[i]#*$'\t'}"
+            name=${line:0:${COLUMNS:-80}-2}
+        fi
+        COMPREPLY[i]=$name
+    done
 }
 complete -F _servobus servobus
 )";
@@ -90,7 +105,8 @@ const device* device_of(std::string_view word) {
 
 enum class register_use { show, read, write };
 
-// REG, or REG=VALUE for a write. `given` are registers that the command line already has.
+// REG, or REG=VALUE for a write, each with its sentence after a tab. `given` are registers that the command line already
+// has.
 answer registers(const device* of, std::string_view begun, register_use wanted,
                  std::span<const std::string> given) {
     const bool is_write = wanted == register_use::write;
@@ -113,7 +129,8 @@ answer registers(const device* of, std::string_view begun, register_use wanted,
         if (is_write && e.rights == servobus::access::ro) continue;
         if (wanted == register_use::read && e.rights == servobus::access::wo) continue;
         const auto is_it = [&](const std::string& word) { return word.substr(0, word.find('=')) == name; };
-        if (std::ranges::none_of(given, is_it)) a.candidates.push_back(is_write ? name + "=" : name);
+        if (std::ranges::none_of(given, is_it))
+            a.candidates.push_back(name + (is_write ? "=\t" : "\t") + of->map->sentence(e.address));
     }
     return a;
 }
