@@ -81,6 +81,10 @@ class motion_profile {
                                                                                                   false} {}
 
     constexpr bool is_stored() const { return is_stored_; }
+    constexpr speed start() const { return start_; }
+    constexpr time acceleration() const { return acceleration_; }
+    constexpr time deceleration() const { return deceleration_; }
+    constexpr speed top() const { return top_; }
 
     /// Puts its four words in front of the arguments, or what the drive should hold behind a target; or gives
     /// the reason why not.

@@ -340,6 +340,7 @@ struct set_node_address {
         o.then = effect::forgotten;
         return o;
     }
+    constexpr std::uint8_t address() const { return to_; }
 
   private:
     std::uint8_t to_;

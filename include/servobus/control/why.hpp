@@ -1,0 +1,186 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// Why a command was refused: the value, its register and its limits; or the state, and the states in which the command
+// is possible. The command is planned again, so the facade stores nothing. Programs include the `arguments.hpp` of
+// their device, which includes this header.
+//
+//     if (wheels.begin(zlac8015d::velocity{left, right}) != errc::ok) {
+//         const refusal r = why(wheels, zlac8015d::velocity{left, right}); // before another call of the drive
+//         if (r.is_of_value()) std::printf("%04Xh: %ld\n", unsigned{r.argument.address}, long(r.argument.count));
+//         if (r.is_of_state()) std::printf("the drive is %s\n", text(r.state));
+//     }
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include <servobus/control/arguments.hpp>
+#include <servobus/control/common_commands.hpp>
+#include <servobus/control/states.hpp>
+
+namespace servobus {
+
+/// A set of states of a drive.
+class drive_states {
+  public:
+    constexpr bool has(drive_state s) const { return (bits_ & bit(s)) != 0; }
+    constexpr bool is_empty() const { return bits_ == 0; }
+    constexpr void add(drive_state s) { bits_ = static_cast<std::uint8_t>(bits_ | bit(s)); }
+    friend constexpr bool operator==(drive_states, drive_states) = default;
+
+  private:
+    static constexpr unsigned bit(drive_state s) { return 1u << static_cast<unsigned>(s); }
+    std::uint8_t bits_ = 0;
+};
+
+/// A cached setting on which it depends whether a command is possible, such as the mode of operation.
+struct condition {
+    std::uint16_t address = 0; ///< of the register that has it
+    std::uint16_t code = 0;    ///< that it has now
+    std::uint16_t codes = 0;   ///< bit n is set if the command is possible while it has code n
+    bool is_flag = false; ///< `code` is 0 or 1 and no content of the register: the device says what 1 means
+
+    constexpr bool has(unsigned n) const { return n < 16 && (codes >> n & 1u) != 0; }
+    /// False if this setting is in the way, whatever the state is.
+    constexpr bool is_met() const { return has(code); }
+};
+
+/// Gives the settings of a drive every combination of their codes, one after the other. The `arguments.hpp` of a device
+/// lists these settings by a function `conditions(settings, each)`, each with its row.
+class each_condition {
+  public:
+    static constexpr std::size_t most = 6;
+
+    constexpr explicit each_condition(std::uint32_t combination) : rest_{combination} {}
+
+    /// A setting with all codes of row `R`, 16 at most.
+    template <const auto& R, class T> constexpr void of(T& setting) {
+        of<R>(setting, static_cast<T>(R.limits.low), static_cast<T>(R.limits.high));
+    }
+    /// A setting that has only some of the codes of row `R`.
+    template <const auto& R, class T> constexpr void of(T& setting, T low, T high) {
+        const auto first = static_cast<std::uint16_t>(low);
+        const auto count = static_cast<std::uint32_t>(static_cast<std::uint16_t>(high)) - first + 1;
+        const auto now = static_cast<std::uint16_t>(setting);
+        setting = static_cast<T>(take({.address = R.address, .code = now}, first, count));
+    }
+    /// What the program knows of register `R`, true or false.
+    template <const auto& R> constexpr void flag(bool& setting) {
+        const auto now = static_cast<std::uint16_t>(setting);
+        setting = take({.address = R.address, .code = now, .is_flag = true}, 0, 2) != 0;
+    }
+
+    /// False after the last combination.
+    constexpr bool is_valid() const { return rest_ == 0; }
+    constexpr std::size_t size() const { return used_; }
+    constexpr const condition& operator[](std::size_t i) const { return found_[i]; }
+
+  private:
+    constexpr std::uint16_t take(condition c, std::uint16_t first, std::uint32_t count) {
+        const auto code = static_cast<std::uint16_t>(first + rest_ % count);
+        rest_ /= count;
+        c.codes = static_cast<std::uint16_t>(1u << (code & 15u));
+        if (used_ < most) found_[used_++] = c;
+        return code;
+    }
+
+    std::uint32_t rest_;
+    std::uint8_t used_ = 0;
+    condition found_[most]{};
+};
+
+/// Why a command was refused.
+struct refusal {
+    errc error = errc::ok; ///< `ok` if the command's plan has no objection
+
+    bool has_argument = false;
+    command_argument argument{}; ///< the first that explains the error
+
+    drive_state state = drive_state::needs_init; ///< of the drive
+    /// In which the command is not refused for its state, with the other settings as `conditions` says. Empty if the
+    /// drive's state alone is not in the way.
+    drive_states states{};
+    std::uint8_t size = 0; ///< of `conditions`
+    condition conditions[each_condition::most]{};
+
+    /// A value is refused: `argument` has it with its limits.
+    constexpr bool is_of_value() const { return has_argument; }
+    /// The state is refused, or a setting: `states` and `conditions` have those in which the command is possible.
+    constexpr bool is_of_state() const {
+        return error == errc::needs_init || error == errc::wrong_state || error == errc::faulted;
+    }
+    /// The first setting that is in the way whatever the state is; null if none is.
+    constexpr const condition* unmet() const {
+        for (std::size_t i = 0; i < size; ++i) {
+            if (!conditions[i].is_met()) return &conditions[i];
+        }
+        return nullptr;
+    }
+};
+
+namespace detail {
+template <class Settings> constexpr void visit_conditions(Settings& known, each_condition& each) {
+    if constexpr (requires { conditions(known, each); }) conditions(known, each);
+}
+
+// Of the states that a model puts into its settings: a fault is seen in the feedback.
+inline constexpr drive_state planned_states[] = {drive_state::needs_init,        drive_state::needs_set_up,
+                                                 drive_state::needs_power_cycle, drive_state::disabled,
+                                                 drive_state::enabled,           drive_state::quick_stopped};
+
+template <class Command, class Settings>
+constexpr void find_states(refusal& r, const Command& wanted, const Settings& known) {
+    for (std::uint32_t n = 0;; ++n) {
+        Settings tried = known;
+        each_condition each{n};
+        visit_conditions(tried, each);
+        if (!each.is_valid()) return;
+        r.size = static_cast<std::uint8_t>(each.size());
+        for (const drive_state s : planned_states) {
+            tried.state = s;
+            const errc e = commands::prepared(wanted, tried).refusal;
+            const bool is_possible = e != errc::needs_init && e != errc::wrong_state;
+            if (is_possible) r.states.add(s);
+            for (std::size_t i = 0; i < each.size(); ++i) {
+                const unsigned before = r.conditions[i].codes;
+                r.conditions[i] = each[i];
+                const unsigned more = is_possible ? unsigned{each[i].codes} : 0u;
+                r.conditions[i].codes = static_cast<std::uint16_t>(before | more);
+            }
+        }
+    }
+}
+} // namespace detail
+
+namespace commands {
+/// Why a command is refused with these settings.
+template <class Command, class Settings>
+constexpr refusal refusal_of(const Command& wanted, const Settings& known) {
+    refusal r;
+    r.error = prepared(wanted, known).refusal;
+    r.state = known.state;
+    if (r.error == errc::ok) return r;
+    if (r.is_of_state()) detail::find_states(r, wanted, known);
+    if constexpr (requires { arguments(wanted, known); }) {
+        for (const command_argument& a : arguments(wanted, known)) {
+            if (r.has_argument || !a.explains(r.error)) continue;
+            r.has_argument = true;
+            r.argument = a;
+        }
+    }
+    return r;
+}
+} // namespace commands
+
+/// Why `drive` has refused `wanted`, asked before another call of the drive. The error is `ok` where the facade refused
+/// it for a reason of its own: another command is under way (`busy`), the node's address or limits are wrong, or no
+/// move was commanded whose end a wait could wait for.
+template <class Drive, class Command> constexpr refusal why(const Drive& drive, const Command& wanted) {
+    refusal r = commands::refusal_of(wanted, drive.cached());
+    if (drive.state() == drive_state::faulted && r.error == errc::wrong_state) r.error = errc::faulted;
+    if (drive.state() == drive_state::faulted) r.state = drive_state::faulted;
+    return r;
+}
+
+} // namespace servobus

@@ -1,0 +1,132 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// ZLTECH ZLAC8015D: the arguments of each command with the register that takes them and their limits. Programs that ask
+// `why` a command was refused include it; no other header does.
+//
+//     const refusal r = why(wheels, zlac8015d::velocity{left, right}); // after `begin` or `run` has refused it
+//     if (r.is_of_value() && r.argument.limited_by == zlac8015d::max_motor_speed.address)
+//         std::printf("2008h allows %ld counts\n", long(r.argument.limits.high));
+#pragma once
+
+#include <cstdint>
+
+#include <servobus/control/why.hpp>
+#include <servobus/device/zlac8015d/commands.hpp>
+#include <servobus/device/zlac8015d/parameters.hpp>
+
+namespace servobus::zlac8015d {
+
+/// What `enable_in` chooses.
+constexpr void conditions(cached_settings& known, each_condition& each) {
+    each.of<mode_of_operation>(known.mode);
+    each.of<position_synchronisation>(known.starts);
+}
+
+namespace detail {
+/// In counts of 1/n r/min, n being 2022h; 2008h limits it.
+template <const auto& R> constexpr command_argument speed_argument(speed v, const cached_settings& known) {
+    const std::int64_t scaled = std::int64_t{v.count()} * known.resolution;
+    const std::int64_t whole = scaled / 2520;
+    const bool is_exact = whole * 2520 == scaled;
+    const std::int64_t most = std::int64_t{known.max_speed} * known.resolution;
+    const std::int64_t below = is_exact || scaled > 0 ? whole : whole - 1;
+    const command_argument a = commands::counted_argument<R>(below, is_exact);
+    return a.within<max_motor_speed>(-most, most);
+}
+template <const auto& R> constexpr command_argument absolute_argument(distance place) {
+    const command_argument a = commands::argument<R>(place);
+    return a.within(-farthest_place, farthest_place);
+}
+} // namespace detail
+
+// Commands of motion
+
+constexpr auto arguments(const enable_in& c, const cached_settings&) {
+    return argument_list{commands::argument<mode_of_operation>(c.mode.mode())
+                             .only_if(c.mode.error() == errc::ok)
+                             .refused_as(errc::bad_argument)};
+}
+constexpr auto arguments(const velocity& c, const cached_settings& known) {
+    return argument_list{detail::speed_argument<left_target_speed>(c.left, known),
+                         detail::speed_argument<right_target_speed>(c.right, known)};
+}
+constexpr auto arguments(const left_velocity& c, const cached_settings& known) {
+    return argument_list{detail::speed_argument<left_target_speed>(c.left, known)};
+}
+constexpr auto arguments(const right_velocity& c, const cached_settings& known) {
+    return argument_list{detail::speed_argument<right_target_speed>(c.right, known)};
+}
+constexpr auto arguments(const torque& c, const cached_settings&) {
+    return argument_list{commands::argument<left_target_torque>(c.left),
+                         commands::argument<right_target_torque>(c.right)};
+}
+constexpr auto arguments(const left_torque& c, const cached_settings&) {
+    return argument_list{commands::argument<left_target_torque>(c.left)};
+}
+constexpr auto arguments(const right_torque& c, const cached_settings&) {
+    return argument_list{commands::argument<right_target_torque>(c.right)};
+}
+constexpr auto arguments(const move_by& c, const cached_settings&) {
+    return argument_list{commands::argument<left_target_position>(c.left),
+                         commands::argument<right_target_position>(c.right)};
+}
+constexpr auto arguments(const move_left_by& c, const cached_settings&) {
+    return argument_list{commands::argument<left_target_position>(c.left)};
+}
+constexpr auto arguments(const move_right_by& c, const cached_settings&) {
+    return argument_list{commands::argument<right_target_position>(c.right)};
+}
+constexpr auto arguments(const move_to& c, const cached_settings&) {
+    return argument_list{detail::absolute_argument<left_target_position>(c.left),
+                         detail::absolute_argument<right_target_position>(c.right)};
+}
+constexpr auto arguments(const move_left_to& c, const cached_settings&) {
+    return argument_list{detail::absolute_argument<left_target_position>(c.left)};
+}
+constexpr auto arguments(const move_right_to& c, const cached_settings&) {
+    return argument_list{detail::absolute_argument<right_target_position>(c.right)};
+}
+
+// Parameters
+
+constexpr auto arguments(const ramps& c, const cached_settings&) {
+    return argument_list{commands::argument<left_acceleration_time>(c.acceleration),
+                         commands::argument<left_deceleration_time>(c.deceleration)};
+}
+constexpr auto arguments(const quick_stop_ramp& c, const cached_settings&) {
+    return argument_list{commands::argument<left_quick_stop_time>(c.deceleration)};
+}
+constexpr auto arguments(const quick_stop_by& c, const cached_settings&) {
+    return argument_list{commands::argument<quick_stop_option_code>(c.option)};
+}
+constexpr auto arguments(const torque_slope& c, const cached_settings&) {
+    return argument_list{commands::argument<left_torque_slope>(c.slope)};
+}
+constexpr auto arguments(const position_speed& c, const cached_settings&) {
+    return argument_list{commands::argument<left_max_speed>(c.left),
+                         commands::argument<right_max_speed>(c.right)};
+}
+constexpr auto arguments(const brakes& c, const cached_settings&) {
+    return argument_list{commands::argument<left_brake>(c.left), commands::argument<right_brake>(c.right)};
+}
+constexpr auto arguments(const on_input_stop& c, const cached_settings&) {
+    return argument_list{commands::argument<input_stop>(c.action)};
+}
+constexpr auto arguments(const park& c, const cached_settings&) {
+    return argument_list{commands::argument<parking_mode>(c.parking)};
+}
+constexpr auto arguments(const clear_position& c, const cached_settings&) {
+    return argument_list{commands::argument<clear_feedback_position>(c.of)};
+}
+constexpr auto arguments(const clear_absolute_zero& c, const cached_settings&) {
+    return argument_list{commands::argument<clear_absolute_position>(c.of)};
+}
+constexpr auto arguments(const watchdog& c, const cached_settings&) {
+    return argument_list{commands::argument<host_timeout>(c.limit).or_if(c.is_zero_by_name)};
+}
+constexpr auto arguments(const resolution& c, const cached_settings&) {
+    return argument_list{commands::argument<speed_resolution>(c.n)};
+}
+
+} // namespace servobus::zlac8015d
