@@ -13,6 +13,7 @@
 #include <cstddef>
 #include <cstdint>
 
+#include <servobus/control/arguments.hpp>
 #include <servobus/control/command.hpp>
 #include <servobus/control/command_kinds.hpp>
 #include <servobus/control/facade.hpp>
@@ -190,6 +191,16 @@ struct move_to {
                                                  commands::in_range<target>(place.count()))};
     }
 };
+
+// --- The registers of the arguments, by which `servobus::why` explains a refusal
+
+constexpr auto arguments(const turn& c, const cached_settings&) {
+    return servobus::argument_list{commands::argument<speed>(c.at)};
+}
+constexpr auto arguments(const move_to& c, const cached_settings&) {
+    return servobus::argument_list{commands::argument<target>(c.place)};
+}
+
 // --- The model: what the facade must know of this drive
 
 struct arrival {

@@ -38,11 +38,13 @@ class drive_states {
 struct condition {
     std::uint16_t address = 0; ///< of the register that has it
     std::uint16_t code = 0;    ///< that it has now
-    std::uint16_t codes = 0;   ///< bit n is set if the command is possible while it has code n
+    /// Bit n is set if the command is possible in the drive's state while it has code n. If the command never is: in any
+    /// state.
+    std::uint16_t codes = 0;
     bool is_flag = false; ///< `code` is 0 or 1 and no content of the register: the device says what 1 means
 
     constexpr bool has(unsigned n) const { return n < 16 && (codes >> n & 1u) != 0; }
-    /// False if this setting is in the way, whatever the state is.
+    /// False if this setting is in the way.
     constexpr bool is_met() const { return has(code); }
 };
 
@@ -98,8 +100,7 @@ struct refusal {
     command_argument argument{}; ///< the first that explains the error
 
     drive_state state = drive_state::needs_init; ///< of the drive
-    /// In which the command is not refused for its state, with the other settings as `conditions` says. Empty if the
-    /// drive's state alone is not in the way.
+    /// In which the command is possible with the settings as they are. If there is none: with any settings.
     drive_states states{};
     std::uint8_t size = 0; ///< of `conditions`
     condition conditions[each_condition::most]{};
@@ -110,7 +111,7 @@ struct refusal {
     constexpr bool is_of_state() const {
         return error == errc::needs_init || error == errc::wrong_state || error == errc::faulted;
     }
-    /// The first setting that is in the way whatever the state is; null if none is.
+    /// The first setting that is in the way; null if none is.
     constexpr const condition* unmet() const {
         for (std::size_t i = 0; i < size; ++i) {
             if (!conditions[i].is_met()) return &conditions[i];
@@ -124,31 +125,54 @@ template <class Settings> constexpr void visit_conditions(Settings& known, each_
     if constexpr (requires { conditions(known, each); }) conditions(known, each);
 }
 
-// Of the states that a model puts into its settings: a fault is seen in the feedback.
+constexpr void add_codes(std::uint16_t& codes, std::uint16_t more) {
+    codes = static_cast<std::uint16_t>(codes | more);
+}
+
+// The states that a model puts into its settings; a fault is seen in the feedback.
 inline constexpr drive_state planned_states[] = {drive_state::needs_init,        drive_state::needs_set_up,
                                                  drive_state::needs_power_cycle, drive_state::disabled,
                                                  drive_state::enabled,           drive_state::quick_stopped};
 
 template <class Command, class Settings>
+constexpr bool is_possible(const Command& wanted, Settings& tried, drive_state s) {
+    tried.state = s;
+    const errc e = commands::prepared(wanted, tried).refusal;
+    return e != errc::needs_init && e != errc::wrong_state;
+}
+
+template <class Command, class Settings>
 constexpr void find_states(refusal& r, const Command& wanted, const Settings& known) {
+    drive_states ever; // with any settings
+    std::uint16_t here[each_condition::most]{};
     for (std::uint32_t n = 0;; ++n) {
         Settings tried = known;
         each_condition each{n};
         visit_conditions(tried, each);
-        if (!each.is_valid()) return;
-        r.size = static_cast<std::uint8_t>(each.size());
+        if (!each.is_valid()) break;
+        bool is_ever = false;
         for (const drive_state s : planned_states) {
-            tried.state = s;
-            const errc e = commands::prepared(wanted, tried).refusal;
-            const bool is_possible = e != errc::needs_init && e != errc::wrong_state;
-            if (is_possible) r.states.add(s);
-            for (std::size_t i = 0; i < each.size(); ++i) {
-                const unsigned before = r.conditions[i].codes;
-                r.conditions[i] = each[i];
-                const unsigned more = is_possible ? unsigned{each[i].codes} : 0u;
-                r.conditions[i].codes = static_cast<std::uint16_t>(before | more);
-            }
+            if (!is_possible(wanted, tried, s)) continue;
+            is_ever = true;
+            ever.add(s);
+            for (std::size_t i = 0; s == known.state && i < each.size(); ++i)
+                add_codes(here[i], each[i].codes);
         }
+        r.size = static_cast<std::uint8_t>(each.size());
+        for (std::size_t i = 0; i < each.size(); ++i) {
+            const std::uint16_t before = r.conditions[i].codes;
+            r.conditions[i] = each[i];
+            r.conditions[i].codes = before;
+            if (is_ever) add_codes(r.conditions[i].codes, each[i].codes);
+        }
+    }
+    Settings now = known;
+    for (const drive_state s : planned_states) {
+        if (is_possible(wanted, now, s)) r.states.add(s);
+    }
+    if (r.states.is_empty()) r.states = ever;
+    for (std::size_t i = 0; i < r.size; ++i) {
+        if (here[i] != 0) r.conditions[i].codes = here[i];
     }
 }
 } // namespace detail
