@@ -65,6 +65,10 @@ chosen choose(const servobus::entry& row);
 
 /// The names of a register's codes or bits, as VALUE takes them.
 std::vector<std::string> names_of(const servobus::entry& row);
+/// The same with the codes or bits: `5 deceleration, 7 immediate`, `bit 0 x0`.
+std::string codes_of(const servobus::entry& row);
+/// Ends the complaint about a value that is none of a row's codes; empty for a row without names.
+std::string what_it_takes(const servobus::entry& row);
 
 /// The content of what was chosen in words: `12.5 A`, `enable (0x0008)`. The high word of a pair is first.
 std::string value_text(const chosen& what, std::span<const u16> words);

@@ -38,6 +38,7 @@ def closed_loop(tool: Tool):
         for name, words, status, text in [
             ("an exception in this drive's words", f"{write} homing_method=15", 1,
              "homing_method: refused, exception 7 (value out of range)"),
+            ("and the codes that it takes", f"{write} homing_method=15", 1, "; it takes -1 mechanical_stop_1, "),
             ("no word order, no pair", f"{write}:9 home_offset=1 --timeout 20 --retries 0", 1,
              "word order, pair_word_order (0x0019): no response; nothing was written"),
             ("a parameter number is the C630S's", f"{read} P0B-17", 2, "has no register 'P0B-17'"),
@@ -51,7 +52,7 @@ def open_loop(tool: Tool):
         tool.says("open loop has its own rows", "read drive yako-open-loop:3 actual_node_address homing_method",
                   "actual_node_address=3", "homing_method=home_24 (0x0018)")
         tool.fails("and no code of the other", "write drive yako-open-loop:3 homing_method=mechanical_stop_1", 2,
-                   "is none of negative_limit")
+                   "is none of 17 negative_limit")
 
 
 @scene()

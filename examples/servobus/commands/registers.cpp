@@ -95,6 +95,16 @@ servobus::status warn_of_wear(session& on, const target& of, const chosen& what)
     return why.error() == servobus::errc::exception ? servobus::status{} : why;
 }
 
+// The codes of a register, if the drive has refused one without a name.
+std::string hint_after(const servobus::status& w, const job& j) {
+    const bool is_refused = w.outcome() == servobus::outcome::refused;
+    if (!is_refused || j.what.row == nullptr || j.words.size() != 1) return {};
+    for (const servobus::named_value& v : j.what.row->values) {
+        if (v.applies(j.words[0])) return {};
+    }
+    return what_it_takes(*j.what.row);
+}
+
 std::string count_of(std::size_t written, std::size_t all) {
     return "; " + std::to_string(written) + " of " + std::to_string(all) + " written";
 }
@@ -157,7 +167,7 @@ int write(const arguments& asked) {
         }
         const servobus::status w = on.write(j.what, j.words);
         if (!w) {
-            return complain(failed, j.what.name + ": " + why_text(*of, j.what, w, on) +
+            return complain(failed, j.what.name + ": " + why_text(*of, j.what, w, on) + hint_after(w, j) +
                                         progress_text(i, jobs.size()));
         }
         print(j.what, j.words);

@@ -122,7 +122,7 @@ class reader {
         if (!number) return place + name + ": '" + value + "' is no whole number";
         if (!e->limits.contains(*number)) {
             return place + name + ": " + value + " is outside " + std::to_string(e->limits.low) + " .. " +
-                   std::to_string(e->limits.high);
+                   std::to_string(e->limits.high) + what_it_takes(*e);
         }
         found_.push_back({e, number, {}});
         return {};

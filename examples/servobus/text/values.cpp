@@ -8,6 +8,7 @@
 #include <algorithm>
 
 #include "../session.hpp"
+#include "named_values.hpp"
 #include "nearest.hpp"
 
 namespace tool {
@@ -62,8 +63,7 @@ std::optional<std::int64_t> parse_names(const entry& e, std::string_view text) {
 // The complaint about names of which one is none of the register's.
 std::string no_name(const entry& e, std::string_view text) {
     const std::vector<std::string> known = names_of(e);
-    std::string all;
-    for (const std::string& name : known) all += (all.empty() ? "" : " ") + name;
+    const std::string all = codes_of(e);
     const std::string complaint = "'" + std::string{text} + "' is none of ";
     while (true) {
         const std::size_t plus = text.find('+');
@@ -147,6 +147,16 @@ std::vector<std::string> names_of(const entry& e) {
     }
     return names;
 }
+
+std::string codes_of(const entry& e) {
+    const std::vector<std::string> names = names_of(e);
+    std::string all;
+    for (std::size_t i = 0; i < names.size(); ++i)
+        all += (i == 0 ? "" : ", ") + code_text(e, e.values[i]) + " " + names[i];
+    return all;
+}
+
+std::string what_it_takes(const entry& e) { return e.values.empty() ? "" : "; it takes " + codes_of(e); }
 
 chosen choose(const entry& e) { return {std::string{e.name}, e.address, static_cast<u16>(e.words()), &e}; }
 
@@ -239,7 +249,7 @@ std::optional<std::vector<u16>> parse_value(const chosen& what, std::string_view
     }
     if (!e.limits.contains(count)) {
         return refuse("'" + shown + "' is outside " + printed(e, e.limits.low) + " .. " +
-                      printed(e, e.limits.high));
+                      printed(e, e.limits.high) + what_it_takes(e));
     }
     if (count == 0 && has(e.flags, servobus::flag::zero_by_name)) {
         complain(usage, undocumented_zero(e));
