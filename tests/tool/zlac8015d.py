@@ -98,7 +98,8 @@ def refused_by_the_drive(tool: Tool):
                "refused, exception 2 (illegal data address)")
     tool.run("write drive zlac8015d left_max_current=10 control_word=3 right_max_current=10 --yes")
     tool.status_is("a refused write is status 1", 1)
-    tool.err_has("and says how many were done", "refused, exception 3 (illegal data value); 1 of 3 written")
+    tool.err_has("names the codes", "refused, exception 3 (illegal data value); it takes 0x00 undefined, 0x05 quick_stop")
+    tool.err_has("and says how many were done", "; 1 of 3 written")
     tool.out_is("and shows them", "left_max_current=10.0 A")
     tool.fails("no response from another node", "read drive zlac8015d:9 bus_voltage --timeout 20 --retries 0", 1,
                "bus_voltage: no response")
