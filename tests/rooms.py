@@ -25,8 +25,9 @@ MAY_INCLUDE = {
     "windows": "core registers line",
     "": "core modbus registers line client control bus explain",  # servobus.hpp
 }
-# Headers with text for people, which no other header includes: they cost a program that does not include them nothing.
-BY_CHOICE = re.compile(r"device/\w+/advice\.hpp")
+# Headers with what people want to know, which no other header includes: they cost a program that does not include them
+# nothing.
+BY_CHOICE = re.compile(r"device/\w+/(?:advice|arguments)\.hpp")
 # Headers with a sentence for each register, which only the catalogues of the same device include; and what includes
 # these: programs, and simulated drives.
 DESCRIPTIONS = re.compile(r"device/\w+/(?:\w+_)?descriptions\.hpp")

@@ -5,10 +5,10 @@
 // is possible. The command is planned again, so the facade stores nothing. Programs include the `arguments.hpp` of
 // their device, which includes this header.
 //
-//     if (wheels.begin(zlac8015d::velocity{left, right}) != errc::ok) {
-//         const refusal r = why(wheels, zlac8015d::velocity{left, right}); // before another call of the drive
-//         if (r.is_of_value()) std::printf("%04Xh: %ld\n", unsigned{r.argument.address}, long(r.argument.count));
-//         if (r.is_of_state()) std::printf("the drive is %s\n", text(r.state));
+//     constexpr zlac8015d::velocity fast{900 * r_per_min, 0 * r_per_min};
+//     if (wheels.begin(fast) != errc::ok) { // asked before another call of the drive
+//         const command_argument a = why(wheels, fast).argument;
+//         std::printf("%04Xh takes %ld..%ld\n", unsigned{a.address}, long(a.limits.low), long(a.limits.high));
 //     }
 #pragma once
 

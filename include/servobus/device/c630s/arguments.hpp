@@ -4,7 +4,8 @@
 // Coolmay C630S: the arguments of each command with the register that takes them and their limits. Programs that ask
 // `why` a command was refused include it; no other header does.
 //
-//     const refusal r = why(servo, c630s::velocity{wanted}); // after `begin` or `run` has refused it
+//     constexpr c630s::velocity fast{5500 * r_per_min};
+//     const refusal r = why(servo, fast); // after `begin` or `run` has refused it
 //     if (r.is_of_value() && r.argument.limited_by == c630s::max_forward_speed.address)
 //         std::printf("P06-08 allows %ld r/min\n", long(r.argument.limits.high));
 #pragma once

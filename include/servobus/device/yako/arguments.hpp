@@ -4,9 +4,10 @@
 // YAKOTEC Modbus steppers: the arguments of each command with the register that takes them and their limits. Programs
 // that ask `why` a command was refused include it; no other header does.
 //
-//     const refusal r = why(axis, yako::velocity{wanted}); // after `begin` or `run` has refused it
-//     if (r.is_of_value() && !r.argument.is_taken) std::puts("a speed of 0 is no motion");
-//     if (r.is_of_state() && r.unmet() != nullptr) std::printf("first set %04Xh\n", unsigned{r.unmet()->address});
+//     constexpr yako::velocity slow{5 * r_per_min};
+//     const refusal r = why(axis, slow); // after `begin` or `run` has refused it
+//     if (r.is_of_state() && r.unmet() != nullptr)
+//         std::printf("set %04Xh first\n", unsigned{r.unmet()->address});
 #pragma once
 
 #include <cstdint>

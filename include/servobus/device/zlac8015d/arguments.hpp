@@ -4,7 +4,8 @@
 // ZLTECH ZLAC8015D: the arguments of each command with the register that takes them and their limits. Programs that ask
 // `why` a command was refused include it; no other header does.
 //
-//     const refusal r = why(wheels, zlac8015d::velocity{left, right}); // after `begin` or `run` has refused it
+//     constexpr zlac8015d::velocity fast{900 * r_per_min, 0 * r_per_min};
+//     const refusal r = why(wheels, fast); // after `begin` or `run` has refused it
 //     if (r.is_of_value() && r.argument.limited_by == zlac8015d::max_motor_speed.address)
 //         std::printf("2008h allows %ld counts\n", long(r.argument.limits.high));
 #pragma once
