@@ -125,14 +125,44 @@ template <class Settings> constexpr void visit_conditions(Settings& known, each_
     if constexpr (requires { conditions(known, each); }) conditions(known, each);
 }
 
-constexpr void add_codes(std::uint16_t& codes, std::uint16_t more) {
-    codes = static_cast<std::uint16_t>(codes | more);
-}
-
 // The states that a model puts into its settings; a fault is seen in the feedback.
 inline constexpr drive_state planned_states[] = {drive_state::needs_init,        drive_state::needs_set_up,
                                                  drive_state::needs_power_cycle, drive_state::disabled,
                                                  drive_state::enabled,           drive_state::quick_stopped};
+
+/// Collects where a command is possible; one copy for all commands.
+class possible_states {
+  public:
+    constexpr void note_settings(refusal& r, const each_condition& each) {
+        for (std::size_t i = 0; i < each.size(); ++i) {
+            const std::uint16_t before = r.conditions[i].codes;
+            r.conditions[i] = each[i];
+            r.conditions[i].codes = before;
+        }
+        r.size = static_cast<std::uint8_t>(each.size());
+    }
+    /// The command is possible in state `s` with the settings of `each`.
+    constexpr void note(refusal& r, const each_condition& each, drive_state s) {
+        ever_.add(s);
+        for (std::size_t i = 0; i < each.size(); ++i) {
+            add(r.conditions[i].codes, each[i].codes);
+            if (s == r.state) add(here_[i], each[i].codes);
+        }
+    }
+    constexpr void conclude(refusal& r) const {
+        if (r.states.is_empty()) r.states = ever_;
+        for (std::size_t i = 0; i < r.size; ++i) {
+            if (here_[i] != 0) r.conditions[i].codes = here_[i];
+        }
+    }
+
+  private:
+    static constexpr void add(std::uint16_t& codes, std::uint16_t more) {
+        codes = static_cast<std::uint16_t>(codes | more);
+    }
+    drive_states ever_{}; // with any settings
+    std::uint16_t here_[each_condition::most]{};
+};
 
 template <class Command, class Settings>
 constexpr bool is_possible(const Command& wanted, Settings& tried, drive_state s) {
@@ -143,37 +173,22 @@ constexpr bool is_possible(const Command& wanted, Settings& tried, drive_state s
 
 template <class Command, class Settings>
 constexpr void find_states(refusal& r, const Command& wanted, const Settings& known) {
-    drive_states ever; // with any settings
-    std::uint16_t here[each_condition::most]{};
+    Settings tried = known;
+    for (const drive_state s : planned_states) {
+        if (is_possible(wanted, tried, s)) r.states.add(s);
+    }
+    possible_states found;
     for (std::uint32_t n = 0;; ++n) {
-        Settings tried = known;
+        tried = known;
         each_condition each{n};
         visit_conditions(tried, each);
         if (!each.is_valid()) break;
-        bool is_ever = false;
+        found.note_settings(r, each);
         for (const drive_state s : planned_states) {
-            if (!is_possible(wanted, tried, s)) continue;
-            is_ever = true;
-            ever.add(s);
-            for (std::size_t i = 0; s == known.state && i < each.size(); ++i)
-                add_codes(here[i], each[i].codes);
-        }
-        r.size = static_cast<std::uint8_t>(each.size());
-        for (std::size_t i = 0; i < each.size(); ++i) {
-            const std::uint16_t before = r.conditions[i].codes;
-            r.conditions[i] = each[i];
-            r.conditions[i].codes = before;
-            if (is_ever) add_codes(r.conditions[i].codes, each[i].codes);
+            if (is_possible(wanted, tried, s)) found.note(r, each, s);
         }
     }
-    Settings now = known;
-    for (const drive_state s : planned_states) {
-        if (is_possible(wanted, now, s)) r.states.add(s);
-    }
-    if (r.states.is_empty()) r.states = ever;
-    for (std::size_t i = 0; i < r.size; ++i) {
-        if (here[i] != 0) r.conditions[i].codes = here[i];
-    }
+    found.conclude(r);
 }
 } // namespace detail
 
