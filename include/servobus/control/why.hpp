@@ -164,10 +164,20 @@ class possible_states {
     std::uint16_t here_[each_condition::most]{};
 };
 
+// By the plan; and by what the drive is asked for before anything else is sent, if the device has a function for that.
+template <class Command, class Settings>
+constexpr errc error_of(const Command& wanted, const Settings& known) {
+    const auto planned = commands::prepared(wanted, known);
+    if constexpr (requires { permitted(planned, known); }) {
+        if (planned.refusal == errc::ok) return permitted(planned, known);
+    }
+    return planned.refusal;
+}
+
 template <class Command, class Settings>
 constexpr bool is_possible(const Command& wanted, Settings& tried, drive_state s) {
     tried.state = s;
-    const errc e = commands::prepared(wanted, tried).refusal;
+    const errc e = error_of(wanted, tried);
     return e != errc::needs_init && e != errc::wrong_state;
 }
 
@@ -197,7 +207,7 @@ namespace commands {
 template <class Command, class Settings>
 constexpr refusal refusal_of(const Command& wanted, const Settings& known) {
     refusal r;
-    r.error = prepared(wanted, known).refusal;
+    r.error = detail::error_of(wanted, known);
     r.state = known.state;
     if (r.error == errc::ok) return r;
     if (r.is_of_state()) detail::find_states(r, wanted, known);
@@ -213,8 +223,8 @@ constexpr refusal refusal_of(const Command& wanted, const Settings& known) {
 } // namespace commands
 
 /// Why `drive` has refused `wanted`, asked before another call of the drive. The error is `ok` where the facade refused
-/// it for a reason of its own: another command is under way (`busy`), the node's address or limits are wrong, or no
-/// move was commanded whose end a wait could wait for.
+/// it for a reason of its own: another command is under way (`busy`), the node's address is wrong or its limits are too
+/// long for the drive's watchdog, or no move was commanded whose end a wait could wait for.
 template <class Drive, class Command> constexpr refusal why(const Drive& drive, const Command& wanted) {
     refusal r = commands::refusal_of(wanted, drive.cached());
     if (drive.state() == drive_state::faulted && r.error == errc::wrong_state) r.error = errc::faulted;

@@ -25,6 +25,15 @@ constexpr void conditions(cached_settings& known, each_condition& each) {
     each.flag<closed_loop::homing_fast_speed>(known.has_homing_profile);
 }
 
+/// What the drive itself is asked for before a command is sent, as far as the program knows it.
+constexpr errc permitted(const prepared_command& c, const cached_settings& known) {
+    const bool is_enabled = known.state == drive_state::enabled;
+    const bool is_wrong =
+        is_enabled ? has(c.needs, requirement::released) : has(c.needs, requirement::enabled);
+    if (is_wrong) return errc::wrong_state;
+    return has(c.needs, requirement::homed) ? detail::needs_homed(known) : errc::ok;
+}
+
 namespace detail {
 // While the worth of a count is not certain, speeds are refused for that.
 template <const auto& R> constexpr command_argument speed_argument(speed v, const cached_settings& known) {
