@@ -27,7 +27,7 @@ namespace servobus::tests {
 /// A number without a register has the address -1.
 struct rule {
     long address;
-    errc error; ///< if the value breaks it
+    errc error; ///< the error of a value that breaks it
     bool is_broken;
 
     static rule whole(long address, long double numerator, long double denominator = 1) {
@@ -46,7 +46,7 @@ struct rule {
     static rule that(long address, errc error, bool is_kept) { return {address, error, !is_kept}; }
 };
 
-/// Random values with a bias to what lies beside limits.
+/// Random values, most of them beside limits.
 class near_limits {
   public:
     explicit near_limits(std::uint64_t seed) : state_{seed} {}
@@ -60,7 +60,7 @@ class near_limits {
     std::uint32_t below(std::uint32_t n) { return static_cast<std::uint32_t>(next() % n); }
     bool one_in(std::uint32_t n) { return below(n) == 0; }
 
-    /// Beside one of the marks, between the first and the last of them, or anywhere in 32 bits.
+    /// A value beside one of the marks, between the first and the last of them, or anywhere in 32 bits.
     std::int32_t value(std::initializer_list<std::int64_t> marks, std::int64_t step = 1) {
         const std::int64_t mark = marks.begin()[below(static_cast<std::uint32_t>(marks.size()))];
         const std::int64_t low = *marks.begin();
@@ -99,7 +99,7 @@ class near_limits {
 
 class refusal_judge {
   public:
-    /// How many plans ended how.
+    /// The number of plans for each way in which they ended.
     std::string seen() const {
         std::string all;
         for (std::size_t i = 0; i < std::size(counts_); ++i)
@@ -107,8 +107,8 @@ class refusal_judge {
         return all;
     }
 
-    /// The plan refuses a value if, and only if, a rule of the test is broken, by the error of the first; and `why` names
-    /// the register of that rule and limits that the value breaks.
+    /// Checks that the plan refuses a value if, and only if, a rule of the test is broken, by the error of the first;
+    /// and that `why` names the register of that rule, with limits that the value breaks.
     template <class Command, class Settings>
     void judge(const Command& wanted, const Settings& known, std::span<const rule> rules) {
         const errc got = commands::prepared(wanted, known).refusal;

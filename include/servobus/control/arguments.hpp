@@ -20,12 +20,13 @@ namespace servobus {
 
 /// An argument of a command in counts of its register, and the limits that the command keeps it in.
 struct command_argument {
-    std::uint16_t address = 0;         ///< of the register that takes it
-    std::uint16_t limited_by = 0;      ///< the register whose value or row the limits are
-    bool has_register = true;          ///< false for a number that is sent in no register, such as an index
-    bool is_exact = true;              ///< it is a whole number of counts
-    bool is_taken = true;              ///< false: within the limits, but the command does not take this value
-    errc outside = errc::out_of_range; ///< how the command is refused outside the limits
+    std::uint16_t address = 0; ///< the register that takes it
+    std::uint16_t limited_by =
+        0;                    ///< the register whose row, or whose value in the drive, sets the broken limit
+    bool has_register = true; ///< false for a number that is sent in no register, such as an index
+    bool is_exact = true;     ///< false if it is no whole number of counts
+    bool is_taken = true; ///< false if the command does not take this value, though it is within the limits
+    errc outside = errc::out_of_range; ///< the error of a command with a value outside the limits
     std::int64_t count = 0;            ///< the whole number of counts, or the one below
     range limits{};
 
@@ -36,27 +37,27 @@ struct command_argument {
         return error == errc::inexact ? !is_exact : error == outside && is_refused();
     }
 
-    /// The command keeps it in narrower limits than the register's row.
+    /// Narrows the limits: the command takes less than the register's row.
     constexpr command_argument within(std::int64_t low, std::int64_t high) const {
         return limited(limited_by, low, high);
     }
-    /// The value of register `R` limits it.
+    /// Narrows the limits to those that the value of register `R` sets.
     template <const auto& R> constexpr command_argument within(std::int64_t low, std::int64_t high) const {
         return limited(R.address, low, high);
     }
-    /// The command takes it only if `taken` is true, whatever the limits are.
+    /// Excludes the value, whatever the limits are, unless `taken` is true.
     constexpr command_argument only_if(bool taken) const {
         command_argument a = *this;
         a.is_taken = a.is_taken && taken;
         return a;
     }
-    /// The command takes it in any case if `taken` is true.
+    /// Admits the value, whatever the limits are, if `taken` is true.
     constexpr command_argument or_if(bool taken) const {
         command_argument a = *this;
         if (taken) a.limits = {.low = count, .high = count};
         return a;
     }
-    /// Outside the limits the command is refused by `error`.
+    /// Sets the error outside the limits.
     constexpr command_argument refused_as(errc error) const {
         command_argument a = *this;
         a.outside = error;
@@ -66,7 +67,7 @@ struct command_argument {
   private:
     constexpr bool is_below(std::int64_t low) const { return count < low; }
     constexpr bool is_above(std::int64_t high) const { return count > high || (!is_exact && count == high); }
-    // Of several limits that are broken the narrowest is kept, and none that is not broken.
+    // Keeps the narrowest limit that is broken, and the row's where none is.
     constexpr command_argument limited(std::uint16_t by, std::int64_t low, std::int64_t high) const {
         command_argument a = *this;
         if (is_below(low) && low > limits.low) {
@@ -91,7 +92,7 @@ template <class... Arguments> argument_list(Arguments...) -> argument_list<sizeo
 
 namespace commands {
 
-/// A number of counts of row `R`; one that is not exact is the next below.
+/// A number of counts of row `R`: the next one below for a value that is not exact.
 template <const auto& R>
 constexpr command_argument counted_argument(std::int64_t count, bool is_exact = true) {
     return {.address = R.address,
@@ -128,7 +129,7 @@ constexpr command_argument argument(std::size_t index, V value) {
     return for_element<Rows>(index, argument<at<Rows, 0>>(value));
 }
 
-/// A value of register `R` that was checked already. One that did not fit 32 bits is shown cut to them.
+/// A value of register `R` that was checked already. Of one beyond 32 bits only the low 32 are known.
 template <const auto& R> constexpr command_argument argument(const register_value<R>& value) {
     using type = typename row_type<R>::value_type;
     const std::int64_t signed_count = static_cast<std::int32_t>(value.bits());
@@ -144,7 +145,7 @@ constexpr command_argument number(std::int64_t value, std::int64_t low, std::int
 constexpr command_argument index(std::int64_t value, std::int64_t low, std::int64_t high) {
     return number(value, low, high).refused_as(errc::bad_argument);
 }
-/// An index that was checked already, so that a wrong one is not known any more; 0 is shown in its place.
+/// An index that was checked already. A wrong one is not known any more: its count is 0.
 template <class Checked>
 constexpr command_argument checked_index(const Checked& n, std::int64_t low, std::int64_t high) {
     return index(n.error() == errc::ok ? std::int64_t{n.index()} + low : 0, low, high)

@@ -1,9 +1,9 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Why a command was refused: the value, its register and its limits; or the state, and the states in which the command
-// is possible. The command is planned again, so the facade stores nothing. Programs include the `arguments.hpp` of
-// their device, which includes this header.
+// Explains why a command was refused: `why` returns the value, its register and its limits; or the state, and the
+// states in which the command is possible. It plans the command again, so the facade stores nothing. Programs include
+// the `arguments.hpp` of their device, which includes this header.
 //
 //     constexpr zlac8015d::velocity fast{900 * r_per_min, 0 * r_per_min};
 //     if (wheels.begin(fast) != errc::ok) { // asked before another call of the drive
@@ -34,22 +34,22 @@ class drive_states {
     std::uint8_t bits_ = 0;
 };
 
-/// A cached setting on which it depends whether a command is possible, such as the mode of operation.
+/// A cached setting that some commands need to have certain codes, such as the mode of operation.
 struct condition {
-    std::uint16_t address = 0; ///< of the register that has it
-    std::uint16_t code = 0;    ///< that it has now
-    /// Bit n is set if the command is possible in the drive's state while it has code n. If the command never is: in any
-    /// state.
+    std::uint16_t address = 0; ///< the address of its register
+    std::uint16_t code = 0;    ///< the code that it has now
+    /// Bit n is set if code n makes the command possible in the drive's state; in any state if no code does there.
     std::uint16_t codes = 0;
-    bool is_flag = false; ///< `code` is 0 or 1 and no content of the register: the device says what 1 means
+    bool is_flag =
+        false; ///< `code` is 0 or 1, and not the register's content; the device's header has its meaning
 
     constexpr bool has(unsigned n) const { return n < 16 && (codes >> n & 1u) != 0; }
-    /// False if this setting is in the way.
+    /// False if the command is refused for this setting.
     constexpr bool is_met() const { return has(code); }
 };
 
-/// Gives the settings of a drive every combination of their codes, one after the other. The `arguments.hpp` of a device
-/// lists these settings by a function `conditions(settings, each)`, each with its row.
+/// Gives a drive's settings one of all combinations of their codes. A function `conditions(settings, each)` in the
+/// `arguments.hpp` of the device lists these settings, each with its row.
 class each_condition {
   public:
     static constexpr std::size_t most = 6;
@@ -67,7 +67,7 @@ class each_condition {
         const auto now = static_cast<std::uint16_t>(setting);
         setting = static_cast<T>(take({.address = R.address, .code = now}, first, count));
     }
-    /// What the program knows of register `R`, true or false.
+    /// A fact about register `R` that the program knows, or does not.
     template <const auto& R> constexpr void flag(bool& setting) {
         const auto now = static_cast<std::uint16_t>(setting);
         setting = take({.address = R.address, .code = now, .is_flag = true}, 0, 2) != 0;
@@ -96,22 +96,22 @@ class each_condition {
 struct refusal {
     errc error = errc::ok; ///< `ok` if the command's plan has no objection
 
-    bool has_argument = false;
-    command_argument argument{}; ///< the first that explains the error
+    bool has_argument = false;   ///< false also if the command has no list of its arguments
+    command_argument argument{}; ///< the first argument that explains the error
 
-    drive_state state = drive_state::needs_init; ///< of the drive
-    /// In which the command is possible with the settings as they are. If there is none: with any settings.
-    drive_states states{};
-    std::uint8_t size = 0; ///< of `conditions`
+    drive_state state = drive_state::needs_init; ///< the state of the drive
+    drive_states
+        states{}; ///< in these the command is possible with the present settings; if there is none, with any
+    std::uint8_t size = 0; ///< the number of `conditions`
     condition conditions[each_condition::most]{};
 
-    /// A value is refused: `argument` has it with its limits.
+    /// True if a value is refused; `argument` has it with its limits.
     constexpr bool is_of_value() const { return has_argument; }
-    /// The state is refused, or a setting: `states` and `conditions` have those in which the command is possible.
+    /// True if the state or a setting is refused; the command is possible with those in `states` and `conditions`.
     constexpr bool is_of_state() const {
         return error == errc::needs_init || error == errc::wrong_state || error == errc::faulted;
     }
-    /// The first setting that is in the way; null if none is.
+    /// The first setting for which the command is refused; null if there is none.
     constexpr const condition* unmet() const {
         for (std::size_t i = 0; i < size; ++i) {
             if (!conditions[i].is_met()) return &conditions[i];
@@ -130,7 +130,7 @@ inline constexpr drive_state planned_states[] = {drive_state::needs_init,       
                                                  drive_state::needs_power_cycle, drive_state::disabled,
                                                  drive_state::enabled,           drive_state::quick_stopped};
 
-/// Collects where a command is possible; one copy for all commands.
+/// Collects the states and codes with which a command is possible. It is one class for all commands, for flash.
 class possible_states {
   public:
     constexpr void note_settings(refusal& r, const each_condition& each) {
@@ -160,11 +160,11 @@ class possible_states {
     static constexpr void add(std::uint16_t& codes, std::uint16_t more) {
         codes = static_cast<std::uint16_t>(codes | more);
     }
-    drive_states ever_{}; // with any settings
-    std::uint16_t here_[each_condition::most]{};
+    drive_states ever_{};                        // with any settings
+    std::uint16_t here_[each_condition::most]{}; // in the drive's state
 };
 
-// By the plan; and by what the drive is asked for before anything else is sent, if the device has a function for that.
+// The error of the plan. A device whose routines read the drive's state first has a function `permitted` besides.
 template <class Command, class Settings>
 constexpr errc error_of(const Command& wanted, const Settings& known) {
     const auto planned = commands::prepared(wanted, known);
@@ -203,7 +203,7 @@ constexpr void find_states(refusal& r, const Command& wanted, const Settings& kn
 } // namespace detail
 
 namespace commands {
-/// Why a command is refused with these settings.
+/// Returns why a command is refused with these settings.
 template <class Command, class Settings>
 constexpr refusal refusal_of(const Command& wanted, const Settings& known) {
     refusal r;
@@ -222,9 +222,9 @@ constexpr refusal refusal_of(const Command& wanted, const Settings& known) {
 }
 } // namespace commands
 
-/// Why `drive` has refused `wanted`, asked before another call of the drive. The error is `ok` where the facade refused
-/// it for a reason of its own: another command is under way (`busy`), the node's address is wrong or its limits are too
-/// long for the drive's watchdog, or no move was commanded whose end a wait could wait for.
+/// Returns why `drive` has refused `wanted`; call it before another call of the drive. The error is `ok` if the facade
+/// refused it for a reason of its own: another command is under way (`busy`), the node's address is wrong, its response
+/// limit is too long for a watchdog, or a wait has no move to wait for.
 template <class Drive, class Command> constexpr refusal why(const Drive& drive, const Command& wanted) {
     refusal r = commands::refusal_of(wanted, drive.cached());
     if (drive.state() == drive_state::faulted && r.error == errc::wrong_state) r.error = errc::faulted;

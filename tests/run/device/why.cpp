@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Why a facade has refused a command: the states and settings in which it is possible, on all drives; facades in
-// operation; commands and drives of one's own. The values are judged by why_zlac8015d.cpp and its neighbours.
+// `why`: the states and settings in which a command is possible, on all drives; facades in operation; commands and
+// drives of one's own. The values are judged by why_zlac8015d.cpp and its neighbours.
 #include <doctest/doctest.h>
 
 #include <cstdint>
@@ -46,7 +46,7 @@ constexpr zlac8015d::cached_settings wheels_in(drive_state s, zlac8015d::operati
 }
 constexpr auto in_velocity = wheels_in(enabled, zlac8015d::operating_mode::velocity);
 
-// All of it is a constant of the program where the settings are.
+// The answer is a constant of the program if the settings are.
 constexpr refusal too_fast =
     commands::refusal_of(zlac8015d::velocity{0 * r_per_min, -101 * r_per_min}, in_velocity);
 static_assert(too_fast.error == errc::out_of_range && too_fast.is_of_value() && !too_fast.is_of_state());
@@ -136,7 +136,7 @@ TEST_CASE("why: a C630S's command names its states, mode, source and segments") 
     CHECK(commands::refusal_of(velocity{}, by_itself).unmet()->address == 0x0602);
     by_itself.run = segment_mode::cyclic;
     CHECK(commands::refusal_of(select_speed_segment{2}, by_itself).unmet()->address == 0x1200);
-    // Before `init`, what is possible afterwards.
+    // Before `init` the settings are not known, so any of them count.
     CHECK(commands::refusal_of(start_segment{3}, cached_settings{}).states == set_of({enabled}));
 }
 

@@ -53,14 +53,14 @@ struct bench {
         return {speed_near(0, 3000), time_near(0, 2000), time_near(0, 2000), speed_near(0, 3000)};
     }
 
-    // What a count is worth must be certain, then the range, which is in r/min, then whole counts.
+    // The worth of a count must be certain; then the range, which is in r/min; then whole counts.
     three_rules speed_rules(long address, speed v, long double low, long double high) const {
         const bool is_whole = known.resolution == speed_count::tenth_r_per_min || v.count() % 10 == 0;
         return {{rule::that(address, errc::wrong_state, known.has_scale),
                  rule::range(address, v.count(), 10, low, high),
                  rule::that(address, errc::inexact, is_whole)}};
     }
-    // Not what a saturated quantity is.
+    // The ends of 32 bits are refused: a saturated quantity has them.
     static rule way_rule(long address, distance d) {
         return rule::range(address, d.count(), -2'147'483'647.0L, 2'147'483'646.0L);
     }

@@ -20,7 +20,7 @@
 
 namespace servobus::c630s {
 
-/// What `enable_in` and `run_speed_segments` choose, and whether a jog is under way, which is a flag of P31-00.
+/// Lists the settings that `enable_in` and `run_speed_segments` choose, and a flag of P31-00: a jog is under way.
 constexpr void conditions(cached_settings& known, each_condition& each) {
     bool is_jogging = known.is_jogging();
     each.of<mode_of_operation>(known.mode, control_mode::speed, control_mode::torque);
@@ -77,7 +77,7 @@ constexpr auto arguments(const torque& c, const cached_settings& known) {
         target.within<positive_internal_torque_limit>(-detail::no_limit, known.positive_torque)
             .within<negative_internal_torque_limit>(-std::int64_t{known.negative_torque}, detail::no_limit)};
 }
-/// P06-04 holds the size of the speed.
+/// P06-04 takes the size of the speed.
 constexpr auto arguments(const jog& c, const cached_settings& known) {
     const bool is_reverse = c.at.count() < 0;
     const command_argument size = commands::argument<jog_speed>(is_reverse ? -c.at : c.at);
@@ -174,7 +174,7 @@ constexpr auto arguments(const segment_ramp_times& c, const cached_settings&) {
                              offset, commands::argument<segment_deceleration_time_1>(c.deceleration)),
                          commands::index(ramp, 1, 4)};
 }
-/// No wired input is given the servo-on.
+/// The function servo-on is given to no wired input.
 template <const auto& R> constexpr auto arguments(const set<R>& c, const cached_settings&) {
     using type = typename servobus::row_type<R>::value_type;
     constexpr bool is_input = std::is_same_v<type, input_function>;

@@ -17,15 +17,15 @@
 
 namespace servobus::yako {
 
-/// What the program knows of the drive's speeds: what a count is worth (001Ah), and that the stored profile (0020h) and
-/// the homing speeds (0032h) are in that count.
+/// Lists what must be certain of the drive's speeds: the worth of a count (001Ah), and that the stored profile (0020h)
+/// and the homing speeds (0032h) are in that count.
 constexpr void conditions(cached_settings& known, each_condition& each) {
     each.flag<closed_loop::speed_resolution>(known.has_scale);
     each.flag<closed_loop::start_speed>(known.has_profile);
     each.flag<closed_loop::homing_fast_speed>(known.has_homing_profile);
 }
 
-/// What the drive itself is asked for before a command is sent, as far as the program knows it.
+/// The error of what a routine reads first, if the drive is as the program knows it.
 constexpr errc permitted(const prepared_command& c, const cached_settings& known) {
     const bool is_enabled = known.state == drive_state::enabled;
     const bool is_wrong =
@@ -35,7 +35,7 @@ constexpr errc permitted(const prepared_command& c, const cached_settings& known
 }
 
 namespace detail {
-// While the worth of a count is not certain, speeds are refused for that.
+// A speed is refused for its state, not for its value, while the worth of a count is not certain.
 template <const auto& R> constexpr command_argument speed_argument(speed v, const cached_settings& known) {
     const bool is_tenths = known.resolution == speed_count::tenth_r_per_min;
     const std::int32_t whole = is_tenths ? v.count() : v.count() / 10;
@@ -50,7 +50,7 @@ template <const auto& Rows>
 constexpr command_argument speed_argument(std::size_t index, speed v, const cached_settings& known) {
     return commands::for_element<Rows>(index, speed_argument<at<Rows, 0>>(v, known));
 }
-/// The ends of 32 bits are what a saturated quantity has.
+/// Excludes the ends of 32 bits, which a saturated quantity has.
 constexpr command_argument way(command_argument a) { return a.within(-0x7FFF'FFFF, 0x7FFF'FFFE); }
 template <const auto& R> constexpr command_argument way_argument(distance v) {
     return way(commands::argument<R>(v));
@@ -146,7 +146,7 @@ constexpr auto arguments(const set_output& c, const cached_settings& known) {
     function.address = function.limited_by = static_cast<std::uint16_t>(y0_function.address + terminal);
     return argument_list{commands::index(terminal, 0, known.is_closed_loop ? 1 : 2), function};
 }
-/// The positive limit lies above the negative one.
+/// The positive limit must lie above the negative one.
 constexpr auto arguments(const limit_travel& c, const cached_settings&) {
     const std::int64_t above = std::int64_t{c.negative.count()} + 1;
     const command_argument order = commands::argument<positive_software_limit>(c.positive);

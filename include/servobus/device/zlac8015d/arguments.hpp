@@ -18,14 +18,14 @@
 
 namespace servobus::zlac8015d {
 
-/// What `enable_in` chooses.
+/// Lists the settings that `enable_in` chooses.
 constexpr void conditions(cached_settings& known, each_condition& each) {
     each.of<mode_of_operation>(known.mode);
     each.of<position_synchronisation>(known.starts);
 }
 
 namespace detail {
-/// In counts of 1/n r/min, n being 2022h; 2008h limits it.
+/// Converts a speed to counts of 1/n r/min, where n is 2022h. Its limit is 2008h.
 template <const auto& R> constexpr command_argument speed_argument(speed v, const cached_settings& known) {
     const std::int64_t scaled = std::int64_t{v.count()} * known.resolution;
     const std::int64_t whole = scaled / 2520;
