@@ -126,6 +126,7 @@ class refusal_judge {
         if (got == errc::ok) check_all(arguments(wanted, known));
         if (is_of_state || r.error == errc::needs_homing || r.error == errc::needs_word_order) {
             CHECK_FALSE(r.is_of_value());
+            if (is_of_state) check_states(r, wanted, known);
             return;
         }
         const errc wanted_error = broken == nullptr ? errc::ok : broken->error;
@@ -148,6 +149,23 @@ class refusal_judge {
             CHECK(a.is_exact);
             CHECK_FALSE(a.is_refused());
         }
+    }
+    // The states in which the command is possible if nothing else changes, if there are any.
+    template <class Command, class Settings>
+    static void check_states(const refusal& r, const Command& wanted, const Settings& known) {
+        drive_states possible;
+        for (const drive_state s :
+             {drive_state::needs_init, drive_state::needs_set_up, drive_state::needs_power_cycle,
+              drive_state::disabled, drive_state::enabled, drive_state::quick_stopped}) {
+            Settings other = known;
+            other.state = s;
+            const errc e = commands::refusal_of(wanted, other).error;
+            if (e != errc::needs_init && e != errc::wrong_state) possible.add(s);
+        }
+        CHECK_FALSE(possible.has(known.state));
+        if (!possible.is_empty()) CHECK(r.states == possible);
+        // Otherwise a setting is in the way, and it is named.
+        if (possible.is_empty()) CHECK(r.unmet() != nullptr);
     }
     static void judge(const refusal& r, const rule& broken) {
         const command_argument& a = r.argument;

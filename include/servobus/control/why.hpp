@@ -40,8 +40,8 @@ struct condition {
     std::uint16_t code = 0;    ///< the code that it has now
     /// Bit n is set if code n makes the command possible in the drive's state; in any state if no code does there.
     std::uint16_t codes = 0;
-    bool is_flag =
-        false; ///< `code` is 0 or 1, and not the register's content; the device's header has its meaning
+    /// True if `code`, 0 or 1, is a fact about the register and not its content. The device's header says which fact.
+    bool is_flag = false;
 
     constexpr bool has(unsigned n) const { return n < 16 && (codes >> n & 1u) != 0; }
     /// False if the command is refused for this setting.
@@ -100,8 +100,8 @@ struct refusal {
     command_argument argument{}; ///< the first argument that explains the error
 
     drive_state state = drive_state::needs_init; ///< the state of the drive
-    drive_states
-        states{}; ///< in these the command is possible with the present settings; if there is none, with any
+    /// In these the command is possible with the present settings; if there is none, with any settings.
+    drive_states states{};
     std::uint8_t size = 0; ///< the number of `conditions`
     condition conditions[each_condition::most]{};
 

@@ -15,6 +15,7 @@
 #include <servobus/device/zlac8015d/catalogue.hpp>
 
 #include <examples/own_device/own_drive.hpp>
+#include <tests/support/driven_yako.hpp>
 #include <tests/support/driven_zlac8015d.hpp>
 
 namespace why_tests {
@@ -229,6 +230,23 @@ TEST_CASE("why: asked of a facade after it has refused, in words of the catalogu
     REQUIRE(r.drive.begin(ramps{10 * millisecond, 10 * millisecond}) == errc::ok);
     CHECK(r.drive.begin(velocity{}) == errc::busy);
     CHECK(why(r.drive, velocity{}).error == errc::ok);
+}
+
+TEST_CASE("why: a YAKO that is not enabled refuses a motion after it was asked, and why has the state") {
+    using namespace yako;
+    simulated::closed_axis a{};
+    REQUIRE(a.drive.run(init{}));
+    REQUIRE(a.drive.run(disable{}));
+    REQUIRE(a.drive.state() == disabled);
+    const velocity slow{10 * r_per_min};
+    CHECK(a.drive.run(slow).error() == errc::wrong_state);
+    const refusal said = why(a.drive, slow);
+    CHECK(said.error == errc::wrong_state);
+    CHECK(said.state == disabled);
+    CHECK(said.states == set_of({enabled}));
+    REQUIRE(a.drive.run(enable{}));
+    CHECK(why(a.drive, slow).error == errc::ok);
+    CHECK(a.drive.run(slow));
 }
 
 TEST_CASE("why: after a fault the state is faulted") {
