@@ -66,7 +66,12 @@ class near_limits {
         const std::int64_t low = *marks.begin();
         const std::int64_t high = *(marks.end() - 1);
         switch (below(16)) {
-        case 0: return limited(static_cast<std::int32_t>(next()));
+        case 0: {
+            constexpr std::int64_t beyond = 0x1'0000'0000;
+            const std::uint32_t end = below(4);
+            if (end < 2) return limited(end == 0 ? -beyond : beyond); // what a saturated quantity has
+            return static_cast<std::int32_t>(next());
+        }
         case 1: {
             const std::int64_t way = one_in(2) ? step : -step;
             return limited(mark + way * static_cast<std::int64_t>(below(9)));
