@@ -24,13 +24,13 @@ namespace servobus {
 /// A set of states of a drive.
 class drive_states {
   public:
-    constexpr bool has(drive_state s) const { return (bits_ & bit(s)) != 0; }
+    constexpr bool has(drive_state s) const { return (bits_ & mask_of(s)) != 0; }
     constexpr bool is_empty() const { return bits_ == 0; }
-    constexpr void add(drive_state s) { bits_ = static_cast<std::uint8_t>(bits_ | bit(s)); }
+    constexpr void add(drive_state s) { bits_ = static_cast<std::uint8_t>(bits_ | mask_of(s)); }
     friend constexpr bool operator==(drive_states, drive_states) = default;
 
   private:
-    static constexpr unsigned bit(drive_state s) { return 1u << static_cast<unsigned>(s); }
+    static constexpr unsigned mask_of(drive_state s) { return 1u << static_cast<unsigned>(s); }
     std::uint8_t bits_ = 0;
 };
 
