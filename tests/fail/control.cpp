@@ -7,6 +7,7 @@
 #include <servobus/any_device.hpp>
 #include <servobus/client/stepped_read.hpp>
 #include <servobus/client/stepped_write.hpp>
+#include <servobus/control/arguments.hpp>
 #include <servobus/device/c630s/registers.hpp>
 #include <servobus/device/zlac8015d.hpp>
 #include <servobus/line/ring.hpp>
@@ -298,6 +299,8 @@ int main() {
     servobus::stepped_write_then_read<some_basin, servobus::rows<basin::options>, basin::ramp> both{io};
     (void)both.begin(5);
     (void)servobus::ring<4>{};
+    (void)servobus::commands::argument<zlac::left_max_speed>(60 * units::r_per_min);
+    (void)servobus::commands::argument<zlac::host_timeout>(60 * units::millisecond);
     constexpr std::uint16_t address = "P0B-07"_p;
     (void)address;
 }
