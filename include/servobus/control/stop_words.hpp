@@ -33,14 +33,14 @@ template <std::size_t N> struct stop_word_set {
 
 /// Codes and flags of a register, or plain words: `words_that_stop(0)` for a target of which zero is standstill.
 template <class... Values> consteval stop_word_set<sizeof...(Values)> words_that_stop(Values... values) {
-    constexpr auto word = [](auto value) {
+    constexpr auto bits_of = [](auto value) {
         if constexpr (std::is_integral_v<decltype(value)>) {
             return static_cast<std::uint16_t>(value);
         } else {
             return static_cast<std::uint16_t>(to_bits(value));
         }
     };
-    return {{word(values)...}};
+    return {{bits_of(values)...}};
 }
 
 /// The words that stop the motor when they are written to `R`; none if nobody has named them.
