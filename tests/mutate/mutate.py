@@ -12,6 +12,7 @@ import threading
 from pathlib import Path
 
 import judge
+import meaning
 import sites
 
 HERE = Path(__file__).resolve().parent
@@ -48,7 +49,8 @@ def known_survivors():
 
 def arguments():
     parser = argparse.ArgumentParser(prog="mutate/run.sh", allow_abbrev=False)
-    parser.add_argument("--mutants", type=int, default=60, metavar="N")
+    parser.add_argument("--mutants", type=int, metavar="N")
+    parser.add_argument("--meaning", action="store_true")
     parser.add_argument("--from", dest="first", type=int, default=1, metavar="K")
     parser.add_argument("--seed", type=int, default=1, metavar="S")
     parser.add_argument("--list", action="store_true")
@@ -56,14 +58,17 @@ def arguments():
     parser.add_argument("--one", type=int, metavar="K")
     parser.add_argument("--only", metavar="FILE:LINE")
     parser.add_argument("--in", dest="within", metavar="PATH[,PATH]")
-    return parser.parse_args()
+    asked = parser.parse_args()
+    if asked.mutants is None:
+        asked.mutants = sys.maxsize if asked.meaning else 60
+    return asked
 
 
 def selected(every, asked):
     """(number, site) of each requested change."""
     within = tuple(f"include/servobus/{path}" for path in asked.within.split(",")) if asked.within else ""
     every = [s for s in every if s.file.startswith(within)]
-    numbered = list(enumerate(sites.chosen(every, asked.seed), 1))
+    numbered = list(enumerate(every if asked.meaning else sites.chosen(every, asked.seed), 1))
     if asked.only:
         file, _, line = asked.only.rpartition(":")
         return [(k, s) for k, s in numbered if s.file.endswith(file) and str(s.line) == line]
@@ -124,10 +129,15 @@ def main():
         for part in judge.PARTS:
             shutil.copytree(ROOT / part, root / part)
         every = sites.sites_of(root, headers(root))
+        try:
+            of_meaning = meaning.changes_of(root, HERE / "meaning.txt")
+        except ValueError as why:
+            print(f"mutate/run.sh: {why}")
+            return 1
         known = known_survivors()
         tests = judge.Tests(root, HERE / "first.txt")
-        wrong = list(problems(every, known, tests))
-        mutants = selected(every, asked)
+        wrong = list(problems(every + of_meaning, known, tests))
+        mutants = selected(of_meaning if asked.meaning else every, asked)
         if not mutants:
             wrong.append("nothing there can be changed")
         for problem in wrong:
@@ -149,7 +159,7 @@ def main():
     judged = killed + count["survived"]
     percent = 100 * killed / judged if judged else 100
     print(
-        f"mutate/run.sh: {len(mutants)} mutants (seed {asked.seed}): {count['stillborn']} stillborn, "
+        f"mutate/run.sh: {len(mutants)} mutants ({'of meaning' if asked.meaning else f'seed {asked.seed}'}): {count['stillborn']} stillborn, "
         f"{count['compiler']} killed by the compiler, {count['tests']} killed by tests, "
         f"{count['equivalent']} equivalent, {count['survived']} survived: {percent:.1f} % killed"
     )

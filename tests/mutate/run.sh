@@ -5,6 +5,7 @@
 # Tests the tests: changes one operator, constant or statement of the core headers and of the drives' facades at a time,
 # in a copy of the tree, and checks whether a test fails. Installs missing packages first (Debian, Ubuntu).
 #     sh tests/mutate/run.sh [--mutants N] [--seed S]   N changes, 60 if not given, chosen by the number S, 1
+#     sh tests/mutate/run.sh --meaning [...]            the changes of meaning.txt, in its order: all, if N is not given
 #     sh tests/mutate/run.sh --list [...]               only prints what would be changed
 #     sh tests/mutate/run.sh --quick [...]              only with the tests of first.txt, so more survive
 #     sh tests/mutate/run.sh --one K [--seed S]         only the change that has the number K
