@@ -211,8 +211,7 @@ class blocking_line : modbus::gathering<std::uint8_t, Lengths> {
         return (after_error + gap_before(gap)) * 2 + Timing.wire_time(2 * modbus::max_frame) +
                Timing.inter_byte;
     }
-    // So many looks at a clock that does not advance: about as many as of a `line`, and no constant to load.
-    static constexpr unsigned looks_log2 = waiting_port<Port> ? 13 : 22;
+    static constexpr unsigned looks_log2 = detail::most_looks_log2<Port>;
 
     // A response that ended too early.
     static constexpr errc cut =

@@ -125,7 +125,7 @@ class line {
     }
     /// Detects that this line's clock has stopped, in a loop that sleeps by `sleep`.
     constexpr detail::stall_detector new_stall_detector() const {
-        return {gap_.last_activity(), waiting_port<Port> ? detail::looks_sleeping : detail::looks_polling};
+        return {gap_.last_activity(), detail::most_looks<Port>};
     }
 
     /// A stop is about to be stepped: until then, or for half a second, no other exchange that is stepped is sent.

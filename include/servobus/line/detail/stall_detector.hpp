@@ -7,6 +7,7 @@
 #include <cstdint>
 
 #include <servobus/core/time.hpp>
+#include <servobus/line/port.hpp>
 
 namespace servobus {
 
@@ -35,6 +36,12 @@ class stall_detector {
 inline constexpr std::uint32_t looks_polling = 4'000'000;
 inline constexpr std::uint32_t looks_sleeping = 10'000;
 inline constexpr duration longest_sleep = milliseconds(5);
+
+/// The looks of a line over this kind of port. A test whose port stops its clock often specialises both numbers.
+template <class Port>
+inline constexpr std::uint32_t most_looks = waiting_port<Port> ? looks_sleeping : looks_polling;
+/// About as many, as a power of 2, for a blocking line: no constant to load.
+template <class Port> inline constexpr unsigned most_looks_log2 = waiting_port<Port> ? 13 : 22;
 } // namespace detail
 
 } // namespace servobus
