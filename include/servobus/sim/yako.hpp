@@ -159,7 +159,9 @@ class yako_drive : private detail::yako_core {
         has_clock_ = true;
         for (; since(ticked_, now) >= step; ticked_ = ticked_ + step) {
             if (is_at_rest()) {
-                ticked_ = ticked_ + duration{since(ticked_, now).us / step.us * step.us};
+                const std::uint32_t idle = since(ticked_, now).us / step.us * step.us;
+                rest(idle);
+                ticked_ = ticked_ + duration{idle};
                 return;
             }
             tick();
@@ -259,7 +261,7 @@ class yako_drive : private detail::yako_core {
         is_released_ = !options_.is_enabled_at_power_on;
         alarm_ = 0;
         wait_us_ = segment_wait_us_ = still_us_ = 0;
-        spent_ = 0;
+        spent_ = quiet_ticks_ = 0;
         adopt_settings();
         axis_.switch_on(options_.restart_keeps_place);
         terminals_.forget_edges();

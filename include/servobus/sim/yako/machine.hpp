@@ -64,6 +64,10 @@ class yako_geometry {
         return at > pulses(m_.positive_stop) ? pulses(m_.positive_stop) : at;
     }
 
+    constexpr bool has_wires() const {
+        return is_wired_to(m_.home_input) || is_wired_to(m_.positive_limit_input) ||
+               is_wired_to(m_.negative_limit_input);
+    }
     constexpr bool is_wired(unsigned input) const {
         return input == m_.home_input || input == m_.positive_limit_input || input == m_.negative_limit_input;
     }
@@ -76,6 +80,7 @@ class yako_geometry {
     }
 
   private:
+    static constexpr bool is_wired_to(unsigned input) { return input != yako_machine::not_wired; }
     // Rounded down, so that distances are the same on both sides of 0.
     constexpr std::int64_t pulses(std::int64_t thousandths) const {
         const std::int64_t product = thousandths * pulses_per_turn_;

@@ -50,6 +50,7 @@ class c630s_core : protected c630s_outputs {
     constexpr void raise(std::uint16_t code) {
         if (code == 0x735 && memory_.is_on(coolmay::multiturn_overflow_masking)) return;
         is_idle_ = false;
+        if (alarms_.is_present(code)) return;
         const auto volts = static_cast<std::uint16_t>(bus_voltage_);
         const auto amperes = static_cast<std::int16_t>(current());
         const c630s_record what{code,

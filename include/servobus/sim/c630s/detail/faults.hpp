@@ -29,30 +29,40 @@ struct c630s_record {
 
 namespace detail {
 
+/// The alarms of a class; a bit for each, by its place in the table.
+constexpr std::uint64_t c630s_alarms_of(coolmay::alarm_class kind) {
+    std::uint64_t all = 0;
+    for (std::size_t n = 0; n < std::size(coolmay::alarms); ++n) {
+        if (coolmay::alarms[n].kind == kind) all |= std::uint64_t{1} << n;
+    }
+    return all;
+}
+
 class c630s_alarms {
   public:
     static constexpr std::size_t depth = 10;
 
-    constexpr bool has_fault() const { return has(coolmay::alarm_class::fault); }
-    constexpr bool has_warning() const { return has(coolmay::alarm_class::warning); }
+    constexpr bool has_fault() const { return (present_ & faults) != 0; }
+    constexpr bool has_warning() const { return (present_ & warnings) != 0; }
     constexpr bool is_present(std::uint16_t code) const {
         const std::size_t n = number(code);
-        return n < count && present_[n];
+        return n < count && is_set(n);
     }
 
     /// Raises an alarm. False if it is present already or if no alarm has the code.
     constexpr bool set(const c630s_record& what) {
         const std::size_t n = number(what.code);
-        if (n == count || present_[n]) return false;
-        present_[n] = true;
+        if (n == count || is_set(n)) return false;
+        present_ |= bit(n);
         for (std::size_t i = depth - 1; i > 0; --i) records_[i] = records_[i - 1];
         records_[0] = what;
         return true;
     }
     /// Ends an alarm of any kind.
     constexpr void end(std::uint16_t code) {
+        if (present_ == 0) return;
         const std::size_t n = number(code);
-        if (n < count) present_[n] = false;
+        if (n < count) present_ &= ~bit(n);
     }
     /// Resets the alarms that can be reset; faults only while S-ON is off. `persists(code)` is true if the
     /// cause of an alarm is still present.
@@ -61,13 +71,13 @@ class c630s_alarms {
             const coolmay::alarm& a = coolmay::alarms[n];
             const bool is_fault = a.kind == coolmay::alarm_class::fault;
             if (!a.is_resettable || (is_fault && is_servo_on_given) || persists(a.code)) continue;
-            present_[n] = false;
+            present_ &= ~bit(n);
         }
     }
     /// Power on: clears the alarms whose cause has ended.
     template <class F> constexpr void switch_on(const F& persists) {
         for (std::size_t n = 0; n < count; ++n) {
-            if (!persists(coolmay::alarms[n].code)) present_[n] = false;
+            if (!persists(coolmay::alarms[n].code)) present_ &= ~bit(n);
         }
     }
 
@@ -90,29 +100,28 @@ class c630s_alarms {
 
   private:
     static constexpr std::size_t count = std::size(coolmay::alarms);
+    static_assert(count <= 64);
 
     static constexpr std::size_t number(std::uint16_t code) {
         std::size_t n = 0;
         while (n < count && coolmay::alarms[n].code != code) ++n;
         return n;
     }
-    constexpr bool has(coolmay::alarm_class kind) const {
-        for (std::size_t n = 0; n < count; ++n) {
-            if (present_[n] && coolmay::alarms[n].kind == kind) return true;
-        }
-        return false;
-    }
+    constexpr bool is_set(std::size_t n) const { return (present_ & bit(n)) != 0; }
+    static constexpr std::uint64_t bit(std::size_t n) { return std::uint64_t{1} << n; }
+    static constexpr std::uint64_t faults = c630s_alarms_of(coolmay::alarm_class::fault);
+    static constexpr std::uint64_t warnings = c630s_alarms_of(coolmay::alarm_class::warning);
     constexpr std::size_t place_of_current() const {
         const coolmay::alarm_class wanted =
             has_fault() ? coolmay::alarm_class::fault : coolmay::alarm_class::warning;
         for (std::size_t i = 0; i < depth && records_[i].code != 0; ++i) {
             const std::size_t n = number(records_[i].code);
-            if (n < count && present_[n] && coolmay::alarms[n].kind == wanted) return i;
+            if (n < count && is_set(n) && coolmay::alarms[n].kind == wanted) return i;
         }
         return depth;
     }
 
-    std::array<bool, count> present_{};
+    std::uint64_t present_ = 0; // a bit for each alarm, by its place in the table
     std::array<c630s_record, depth> records_{};
 };
 

@@ -147,15 +147,23 @@ class yako_core {
         watch_error();
         const bool is_still = now_.what == motion::none && axis_.stands();
         still_us_ = is_still ? smaller_of(still_us_ + wheel::tick.us, 1'000'000) : 0;
+        quiet_ticks_ = is_still && terminals_.are_held() ? quiet_ticks_ + 1 : 0;
     }
 
     /// True if nothing changes until the next command or input.
     constexpr bool is_at_rest() const {
-        return now_.what == motion::none && next_.what == motion::none && still_us_ >= 1'000'000 &&
-               terminals_.held_us() >= 1'000'000 && segment_wait_us_ == 0 &&
-               (!of_.has_encoder || is_released() || axis_.following_error() == 0);
+        return quiet_ticks_ >= ticks_to_settle && now_.what == motion::none && next_.what == motion::none &&
+               segment_wait_us_ == 0 && (!of_.has_encoder || is_released() || axis_.following_error() == 0);
     }
-    constexpr void stir() { still_us_ = smaller_of(still_us_, 500'000); }
+    /// Counts a time at rest, in which a tick would do no more.
+    constexpr void rest(std::int64_t us) {
+        still_us_ = smaller_of(still_us_ + us, 1'000'000);
+        terminals_.hold(us);
+    }
+    constexpr void stir() {
+        still_us_ = smaller_of(still_us_, 500'000);
+        quiet_ticks_ = 0;
+    }
 
     constexpr void adopt_settings() {
         const bool is_reversed = word_at(yako_rows::motion_direction.address) != 0;
@@ -367,6 +375,8 @@ class yako_core {
     }
 
     static constexpr std::int64_t pin_time_us = 5000;
+    // The first tick carries out what a command or an input has changed. The others are a margin.
+    static constexpr std::uint32_t ticks_to_settle = 20;
 
   protected:
     static constexpr std::uint16_t following_error_alarm = 4; // the manual gives its codes no meaning
@@ -384,6 +394,7 @@ class yako_core {
     std::int64_t still_us_ = 0;
     std::int64_t segment_wait_us_ = 0;
     std::int64_t home_ = 0;
+    std::uint32_t quiet_ticks_ = 0; // at standstill, since the last command or change of an input
     std::uint32_t starts_ = 0;
     std::uint32_t spent_ = 0; // functions whose active input has started its motion
     std::uint16_t alarm_ = 0;
