@@ -65,17 +65,17 @@ class answer {
         byte_list came;
         byte_list others;
         for (std::size_t i = 0; i < port.heard.size(); ++i) {
-            const std::uint8_t byte = port.heard[i];
-            if (i != 0 && port.seen_gap[i] > gap_) {
+            const auto& [byte, at, seen_gap] = port.heard[i];
+            if (i != 0 && seen_gap > gap_) {
                 if (!came.empty()) break;
                 is_start = true;
-            } else if (!is_start && came.empty() && port.seen_gap[i] >= pause_ && ends_with_crc(others)) {
+            } else if (!is_start && came.empty() && seen_gap >= pause_ && ends_with_crc(others)) {
                 is_start = true;
             }
             if (is_start) others.clear();
             if (!came.empty() || (is_start && byte == request_[0])) {
                 came.push_back(byte);
-                last_ = port.heard_at[i];
+                last_ = at;
             } else if (is_start) {
                 is_start = (byte == 0x00 || byte == 0xFF) && leading != 0;
                 if (is_start) --leading;

@@ -39,9 +39,9 @@ bool is_of_unknown_function(const reference::byte_list& pdu) {
 }
 
 // A response of a function beyond registers is valid if a request exists that it answers.
-bool is_response_to_any(const reference::byte_list& pdu) {
-    using reference::byte_list;
-    const auto answers = [&](byte_list asked) {
+bool is_response_to_any(const fuzz::byte_list& pdu) {
+    using fuzz::byte_list;
+    const auto answers = [&](const byte_list& asked) {
         return functions_reference::exception_of(asked) == 0 &&
                functions_reference::judge(asked, pdu) == functions_reference::verdict::valid;
     };
@@ -79,12 +79,13 @@ bool is_response_to_any(const reference::byte_list& pdu) {
 bool is_valid(const reference::byte_list& f, direction way) {
     if (!reference::is_frame(f)) return false;
     const reference::byte_list pdu{f.begin() + 1, f.end() - 2};
+    const fuzz::byte_list same{pdu.begin(), pdu.end()};
     if (is_of_unknown_function(pdu)) return true;
     const unsigned code = pdu[0];
     const bool is_of_registers = code == 3 || code == 4 || code == 6 || code == 16 || code >= 0x80;
     const bool is_request =
-        is_of_registers ? reference::request(pdu).has_value() : functions_reference::exception_of(pdu) == 0;
-    const bool is_response = is_of_registers ? reference::is_response(pdu) : is_response_to_any(pdu);
+        is_of_registers ? reference::request(pdu).has_value() : functions_reference::exception_of(same) == 0;
+    const bool is_response = is_of_registers ? reference::is_response(pdu) : is_response_to_any(same);
     const bool asks = is_request && way != direction::response;
     const bool answers = is_response && way != direction::request && f[0] != 0;
     const bool may_be_broadcast =

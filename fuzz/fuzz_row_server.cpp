@@ -197,7 +197,7 @@ class host_bench {
         pass(50'000);
         pass(50'000);
         require(!server_.is_answering(), "G9 after gaps the server is idle");
-        receive(reference::framed({node_address, 3, 0, 0x10, 0, 1}));
+        receive(reference::framed(byte_list{node_address, 3, 0, 0x10, 0, 1}));
         require(server_.is_answering(), "G9 G14 after a gap a request gets a response");
         pass(50'000);
     }
@@ -223,7 +223,7 @@ class host_bench {
         port_.time.us += us;
         gap_ += us;
         const bool was_answering = server_.is_answering();
-        std::optional<byte_list> due;
+        std::optional<reference::byte_list> due;
         if (!was_answering && has_received_) {
             if (gap_ >= host_timing.t3_5) listener_.pause();
             if (gap_ > host_timing.visible_gap().us) due = listener_.silence(true);
@@ -232,7 +232,7 @@ class host_bench {
         judge(due);
     }
 
-    void judge(const std::optional<byte_list>& due) {
+    void judge(const std::optional<reference::byte_list>& due) {
         if (!port_.arrived.empty() || was_consumed()) gap_ = 0;
         if (due) {
             const byte_list pdu{due->begin() + 1, due->end() - 2};

@@ -46,11 +46,16 @@ void disturb(sim::c630s& drive, unsigned what, std::uint16_t with) {
 }
 void disturb(sim::zlac8015d& drive, unsigned, std::uint16_t) { drive.power_cycle(); }
 
-template <class Model> void run(fuzz::input& in, const servobus::catalogue& map) {
+// The time in us that an input may let pass: 800 ticks of a drive in motion. One first byte in sixteen gives ten
+// times as many, for a whole homing and for slow ramps.
+template <class Model> constexpr std::uint32_t short_life = 200'000;
+template <> constexpr std::uint32_t short_life<sim::c630s> = 800'000;
+
+template <class Model> void run(fuzz::input& in, bool is_long, const servobus::catalogue& map) {
     Model drive;
     const modbus::server_rules rules = modbus::rules_of(drive);
     instant now{0xFFFF'0000u};
-    std::uint32_t spent = 0;
+    std::uint32_t left = short_life<Model> * (is_long ? 10 : 1);
     std::array<std::uint8_t, modbus::max_pdu> request{};
     std::array<std::uint8_t, modbus::max_pdu> response{};
     drive.advance(now);
@@ -77,9 +82,10 @@ template <class Model> void run(fuzz::input& in, const servobus::catalogue& map)
             break;
         case 5: disturb(drive, what / 8, value); break;
         default: {
-            const std::uint32_t us = value % 4u == 3 ? value * 40u : value; // up to 2.6 s
-            if (spent + us < 10'000'000u) now = now + duration{us};
-            spent += us;
+            const std::uint32_t wanted = value % 4u == 3 ? value * 40u : value; // up to 2.6 s
+            const std::uint32_t us = wanted < left ? wanted : left;
+            now = now + duration{us};
+            left -= us;
         }
         }
         drive.advance(now);
@@ -101,11 +107,13 @@ template <class Model> void run(fuzz::input& in, const servobus::catalogue& map)
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     fuzz::input in{data, size};
-    switch (in.byte() % 4) {
-    case 0: run<sim::zlac8015d>(in, zlac8015d::catalogue); break;
-    case 1: run<sim::yako_closed_loop>(in, yako::closed_loop::catalogue); break;
-    case 2: run<sim::yako_open_loop>(in, yako::open_loop::catalogue); break;
-    default: run<sim::c630s>(in, c630s::catalogue);
+    const unsigned kind = in.byte();
+    const bool is_long = kind >= 0xF0;
+    switch (kind % 4) {
+    case 0: run<sim::zlac8015d>(in, is_long, zlac8015d::catalogue); break;
+    case 1: run<sim::yako_closed_loop>(in, is_long, yako::closed_loop::catalogue); break;
+    case 2: run<sim::yako_open_loop>(in, is_long, yako::open_loop::catalogue); break;
+    default: run<sim::c630s>(in, is_long, c630s::catalogue);
     }
     return 0;
 }

@@ -188,7 +188,8 @@ class call_judge {
                     "G12 an exception has the number that came");
         else
             require(is_answer(f, request, limits), "G2 a response matches its request");
-        const auto found = std::search(port.heard.begin(), port.heard.end(), f.begin(), f.end());
+        const auto is_same = [](const driven_port::arrival& a, std::uint8_t byte) { return a.byte == byte; };
+        const auto found = std::search(port.heard.begin(), port.heard.end(), f.begin(), f.end(), is_same);
         require(found != port.heard.end(), "G1 a response came after its request had left");
     }
 

@@ -10,23 +10,37 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <utility>
 #include <vector>
+
+#include "arena.hpp"
 
 namespace reference {
 
-using byte_list = std::vector<std::uint8_t>;
+template <class T> using list = std::vector<T, fuzz::allocator<T>>;
+using byte_list = list<std::uint8_t>;
 
-/// CRC-16/MODBUS, bit by bit.
-inline unsigned crc(const std::uint8_t* data, std::size_t size) {
-    unsigned crc = 0xFFFF;
-    while (size-- != 0) {
-        crc ^= *data++;
+/// What CRC-16/MODBUS, bit by bit, makes of each byte.
+inline constexpr std::array<std::uint16_t, 256> crc_of_byte = [] {
+    std::array<std::uint16_t, 256> all{};
+    for (unsigned byte = 0; byte < 256; ++byte) {
+        unsigned crc = byte;
         for (int bit = 0; bit < 8; ++bit) crc = (crc & 1u) != 0 ? (crc >> 1) ^ 0xA001u : crc >> 1;
+        all[byte] = static_cast<std::uint16_t>(crc);
     }
+    return all;
+}();
+inline constexpr unsigned crc_of_nothing = 0xFFFF;
+inline unsigned crc_with(unsigned crc, std::uint8_t byte) {
+    return crc >> 8 ^ crc_of_byte[(crc ^ byte) & 0xFFu];
+}
+inline unsigned crc(const std::uint8_t* data, std::size_t size) {
+    unsigned crc = crc_of_nothing;
+    while (size-- != 0) crc = crc_with(crc, *data++);
     return crc;
 }
 
-inline byte_list framed(byte_list body) {
+template <class List = byte_list> List framed(List body) {
     const unsigned c = crc(body.data(), body.size());
     body.push_back(static_cast<std::uint8_t>(c & 0xFFu));
     body.push_back(static_cast<std::uint8_t>(c >> 8));
@@ -39,12 +53,12 @@ inline bool is_frame(const byte_list& f) {
     return crc(f.data(), f.size() - 2) == (f[f.size() - 2] | static_cast<unsigned>(f[f.size() - 1]) << 8);
 }
 
-inline unsigned word(const byte_list& b, std::size_t at) { return b[at] * 256u + b[at + 1]; }
+template <class List> unsigned word(const List& b, std::size_t at) { return b[at] * 256u + b[at + 1]; }
 
 /// A request for registers, as the standard defines it.
 struct asked {
     unsigned code, first, count;
-    std::vector<unsigned> values; ///< of a write
+    list<unsigned> values; ///< of a write
 };
 
 /// Nothing if the PDU is not exactly a request of function 03, 04, 06 or 10h.
@@ -132,6 +146,27 @@ inline byte_list respond(registers& all, const byte_list& pdu, bool has_input_re
     return response;
 }
 
+/// A frame of which one byte after the other arrives.
+class growing_frame {
+  public:
+    void add(std::uint8_t byte) {
+        if (all_.empty()) all_.reserve(48);
+        all_.push_back(byte);
+        crc_ = crc_with(crc_, byte);
+    }
+    void clear() { *this = {}; }
+    const byte_list& bytes() const { return all_; }
+    bool empty() const { return all_.empty(); }
+    std::size_t size() const { return all_.size(); }
+    std::uint8_t operator[](std::size_t at) const { return all_[at]; }
+    /// As of the bytes: the CRC of a frame with its CRC is 0.
+    friend bool is_frame(const growing_frame& f) { return f.size() >= 4 && f.size() <= 256 && f.crc_ == 0; }
+
+  private:
+    byte_list all_;
+    unsigned crc_ = crc_of_nothing;
+};
+
 /// A receiver that cannot measure t3.5 between bytes that come together. It keeps every possible division of
 /// the bytes into frames, each with the bytes of its last frame. It executes a frame to its address only if
 /// no other division is left: immediately, or after a gap has shown that the frames of the other divisions
@@ -148,31 +183,35 @@ class listener {
         const bool may_be_left_out = is_noise(byte) && left_out_ < leading_;
         left_out_ = may_be_left_out ? left_out_ + 1 : leading_;
         const bool has_rivals = accounts_.size() > 1;
-        std::vector<account> next;
-        for (account a : accounts_) {
+        list<account>& next = next_;
+        next.clear();
+        for (account& a : accounts_) {
             if (!has_rivals) a.is_late = false;
             // A complete request to this address that was not executed because other divisions were possible.
             if (is_own(a.under_way) && is_frame(a.under_way) && a.under_way.size() == as_request(a.under_way))
                 a.under_way.clear();
-            a.under_way.push_back(byte);
+            a.under_way.add(byte);
             if (a.under_way.size() > 256) continue;
             if (a.under_way.size() == 1) {
-                tell(next, a);
-                if (may_be_left_out) tell(next, {{}, a.outstanding, true});
+                const unsigned outstanding = a.outstanding;
+                tell(next, std::move(a));
+                if (may_be_left_out) tell(next, {{}, outstanding, true});
             } else if (!has_rivals || !is_nonsense(a.under_way)) {
                 go_on(next, a, has_rivals);
             }
         }
-        accounts_ =
-            next.size() > 4 ? std::vector<account>{} : next; // too many divisions: wait for the next gap
-        std::vector<account> first;
+        if (next.size() > 4) next.clear(); // too many divisions: wait for the next gap
+        accounts_.swap(next);
+        const account* only = nullptr;
         for (const account& a : accounts_) {
-            if (!a.is_late || accounts_.size() == 1) first.push_back(a);
+            if (a.is_late && accounts_.size() != 1) continue;
+            if (only != nullptr) return std::nullopt;
+            only = &a;
         }
-        if (first.size() != 1) return std::nullopt;
-        const byte_list f = first[0].under_way;
+        if (only == nullptr) return std::nullopt;
+        const growing_frame& f = only->under_way;
         if (!is_own(f) || f.size() != as_request(f) || !is_frame(f)) return std::nullopt;
-        return executed(f, first[0].outstanding);
+        return executed(f.bytes(), only->outstanding);
     }
 
     /// No byte came for t3.5, and this is no visible gap yet.
@@ -180,38 +219,40 @@ class listener {
         left_out_ = 0;
         bool is_after_frame = false;
         for (account& a : accounts_) {
-            const byte_list& f = a.under_way;
+            const growing_frame& f = a.under_way;
             if (is_frame(f) && f[0] != unit_ && form_of(f[1]) == form::unknown) a = {{}, nothing, a.is_late};
             is_after_frame = is_after_frame || a.under_way.empty();
         }
         if (!is_after_frame) return;
-        std::vector<account> left;
-        for (const account& a : accounts_) {
-            const byte_list& f = a.under_way;
-            if (f.size() < 2 || form_of(f[1]) != form::unknown || is_frame(f)) tell(left, a);
+        list<account> left;
+        for (account& a : accounts_) {
+            const growing_frame& f = a.under_way;
+            if (f.size() < 2 || form_of(f[1]) != form::unknown || is_frame(f)) tell(left, std::move(a));
         }
-        accounts_ = left;
+        accounts_ = std::move(left);
     }
 
     /// The line has a visible gap. Returns the frame that must be executed now, if the gap is noticed in
     /// time; otherwise the frame is lost.
     std::optional<byte_list> silence(bool is_noticed) {
         left_out_ = 0;
-        std::vector<account> complete;
-        for (const account& a : accounts_) {
-            const byte_list& f = a.under_way;
+        list<account> complete;
+        for (account& a : accounts_) {
+            const growing_frame& f = a.under_way;
             const bool has_any_length = f.size() > 1 && (is_own(f) ? !is_executed(f[1]) || as_request(f) == 0
                                                                    : form_of(f[1]) == form::unknown);
             const bool is_request = is_own(f) && f.size() == as_request(f);
-            if (f.empty() || (is_frame(f) && (has_any_length || is_request))) complete.push_back(a);
+            if (f.empty() || (is_frame(f) && (has_any_length || is_request)))
+                complete.push_back(std::move(a));
         }
-        accounts_ = {{{}, anything, false}};
+        accounts_.clear();
+        accounts_.push_back({{}, anything, false});
         if (complete.size() != 1) return std::nullopt;
         const account& a = complete[0];
         if (a.under_way.empty()) accounts_[0].outstanding = a.outstanding;
         if (!is_own(a.under_way) || !is_noticed) return std::nullopt;
         if (a.under_way[0] == 0 && as_request(a.under_way) == 0) return std::nullopt;
-        return executed(a.under_way, a.outstanding);
+        return executed(a.under_way.bytes(), a.outstanding);
     }
 
     /// Its own response has left.
@@ -222,14 +263,14 @@ class listener {
     static constexpr unsigned nothing = 0;
     static constexpr unsigned anything = ~0u;
     struct account {
-        byte_list under_way;
+        growing_frame under_way;
         unsigned outstanding;
         bool is_late;
     };
 
-    bool is_own(const byte_list& f) const { return !f.empty() && (f[0] == unit_ || f[0] == 0); }
+    bool is_own(const growing_frame& f) const { return !f.empty() && (f[0] == unit_ || f[0] == 0); }
     bool is_noise(std::uint8_t byte) const { return byte != unit_ && (byte == 0 || byte == 255); }
-    bool is_nonsense(const byte_list& f) const {
+    bool is_nonsense(const growing_frame& f) const {
         return f.size() == 2 && is_noise(f[0]) && (f[1] == 0 || f[1] > 127);
     }
 
@@ -258,7 +299,7 @@ class listener {
     }
 
     // The length of a frame as a request or as a response, 0 if it is not yet determined.
-    static std::size_t as_request(const byte_list& f) {
+    static std::size_t as_request(const growing_frame& f) {
         if (f.size() < 2) return 0;
         switch (f[1]) {
         case 1:
@@ -274,7 +315,7 @@ class listener {
         default: return 0;
         }
     }
-    static std::size_t as_response(const byte_list& f) {
+    static std::size_t as_response(const growing_frame& f) {
         if (f.size() < 3) return 0;
         switch (f[1]) {
         case 1:
@@ -292,12 +333,12 @@ class listener {
     }
 
     // A frame of at least two bytes has grown by one.
-    void go_on(std::vector<account>& next, const account& a, bool has_rivals) const {
-        const byte_list& f = a.under_way;
+    void go_on(list<account>& next, account& a, bool has_rivals) const {
+        const growing_frame& f = a.under_way;
         const std::size_t q = as_request(f);
         if (is_own(f)) {
             const bool is_wrong = f.size() == q && !is_frame(f);
-            if (!is_wrong || (!has_rivals && !is_executed(f[1]))) tell(next, a);
+            if (!is_wrong || (!has_rivals && !is_executed(f[1]))) tell(next, std::move(a));
             return;
         }
         const std::size_t r = as_response(f);
@@ -305,21 +346,24 @@ class listener {
         const bool may_grow =
             kind == form::exception ? f.size() < 5 : f.size() < 3 || q == 0 || f.size() < q || f.size() < r;
         if (!is_frame(f) || (f.size() != q && f.size() != r)) {
-            if (may_grow) tell(next, a);
+            if (may_grow) tell(next, std::move(a));
             return;
         }
-        if (may_grow && (f.size() == q ? is_credible_response(a) : is_credible_request(f))) tell(next, a);
-        tell(next, {{}, f.size() == q ? outstanding_after(f) : nothing, a.is_late});
+        const unsigned outstanding = f.size() == q ? outstanding_after(f) : nothing;
+        const bool is_late = a.is_late;
+        if (may_grow && (f.size() == q ? is_credible_response(a) : is_credible_request(f)))
+            tell(next, std::move(a));
+        tell(next, {{}, outstanding, is_late});
     }
 
     // Whether a request that may end here may also continue as a response.
     static bool is_credible_response(const account& a) {
-        const byte_list& f = a.under_way;
-        if (a.outstanding != anything) return a.outstanding == word({f[0], f[2]}, 0);
+        const growing_frame& f = a.under_way;
+        if (a.outstanding != anything) return a.outstanding == f[0] * 256u + f[2];
         return f[2] <= 250 && (f[1] < 3 || f[2] % 2 == 0);
     }
     // Whether a response that may end here may also continue as a request.
-    static bool is_credible_request(const byte_list& f) {
+    static bool is_credible_request(const growing_frame& f) {
         switch (f[1]) {
         case 15: return f[6] == (word(f, 4) + 7) / 8;
         case 16: return f[6] == 2 * word(f, 4);
@@ -329,7 +373,7 @@ class listener {
         default: return true;
         }
     }
-    static unsigned outstanding_after(const byte_list& f) {
+    static unsigned outstanding_after(const growing_frame& f) {
         if (f[1] > 4 && f[1] != 23) return nothing;
         const unsigned count = f[1] < 3 ? (word(f, 4) + 7) / 8 : 2 * word(f, 4);
         return count <= 250 ? f[0] * 256u + count : nothing;
@@ -337,23 +381,25 @@ class listener {
 
     // Merges two divisions whose last frame is the same. If their outstanding responses differ, any
     // response may come.
-    static void tell(std::vector<account>& all, const account& a) {
+    static void tell(list<account>& all, account&& a) {
         for (account& other : all) {
             if (other.under_way.size() != a.under_way.size()) continue;
             if (other.outstanding != a.outstanding) other.outstanding = anything;
             other.is_late = other.is_late && a.is_late;
             return;
         }
-        all.push_back(a);
+        all.push_back(std::move(a));
     }
 
     // A request to this address shows that no earlier response is still to come.
-    std::optional<byte_list> executed(const byte_list& f, unsigned outstanding) {
-        accounts_ = {{{}, outstanding == anything ? nothing : outstanding, false}};
+    std::optional<byte_list> executed(byte_list f, unsigned outstanding) {
+        accounts_.clear();
+        accounts_.push_back({{}, outstanding == anything ? nothing : outstanding, false});
         return f;
     }
 
-    std::vector<account> accounts_{{{}, anything, false}};
+    list<account> accounts_{{{}, anything, false}};
+    list<account> next_; // keeps its memory
     unsigned unit_;
     unsigned leading_;
     bool executes_standard_;

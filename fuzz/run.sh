@@ -11,7 +11,7 @@
 #   JOBS      targets at a time, 2 if not given
 #   FOUND     where inputs that crash are kept, fuzz/found if not given
 #   KEEP      a folder for the inputs that fuzzing keeps, from which the next run continues
-# One line a target: runs, coverage, crashes. The status is 1 if any crashed or did not build.
+# One line a target: runs, runs a second, coverage, crashes. The status is 1 if any crashed or did not build.
 set -u
 cd "$(dirname "$0")/.." || exit 1
 
@@ -66,6 +66,12 @@ mkdir -p "$found"
 # Otherwise the sanitizer keeps 256 MB of freed memory for each target.
 export ASAN_OPTIONS="quarantine_size_mb=16:${ASAN_OPTIONS:-}"
 
+# makes_frames TARGET: true if it makes frames, calls or time from a few bytes. There an operand of a comparison is seldom
+# a byte of the input, and recording the operands would take half of the time. Long inputs mostly repeat what short ones
+# do: they grow by runs, of which these have many. The fuzzer also counts how often each feature occurs, up to a
+# threshold, which costs as much as a run if it is not low.
+makes_frames() { case $1 in line | blocking_line | server | simulators) ;; *) return 1 ;; esac; }
+
 # one TARGET: builds it and runs it; its line goes to $work/TARGET.line
 one() {
     libraries=""
@@ -77,17 +83,29 @@ one() {
         echo "$1: $(tail -n 1 "$work/$1.log") inputs, no crash" >"$work/$1.line"
         return 0
     fi
-    $CXX $usual -fsanitize=fuzzer,address,undefined -fno-sanitize-recover=all "fuzz/fuzz_$1.cpp" $libraries \
-        -o "$work/$1" || return 1
-    kept=${KEEP:-$work/kept}/$1
-    mkdir -p "$kept"
+    guidance=""
+    limits=-max_len=1200
+    if makes_frames "$1"; then
+        guidance=-fno-sanitize-coverage=trace-cmp
+        limits="-max_len=512 -len_control=1000 -entropic_feature_frequency_threshold=16"
+    fi
+    $CXX $usual -O2 -fsanitize=fuzzer,address,undefined -fno-sanitize-recover=all \
+        -fsanitize-coverage-ignorelist=fuzz/uncounted.txt $guidance "fuzz/fuzz_$1.cpp" $libraries -o "$work/$1" || return 1
+    find "fuzz/corpus/$1" -type f | sort | paste -s -d , - >"$work/$1.seeds"
+    # A folder costs a file for each new input, so only who asks for one has it.
+    kept=""
+    if [ -n "${KEEP:-}" ]; then
+        kept=$KEEP/$1
+        mkdir -p "$kept" || return 1
+    fi
     # First the whole corpus once, so that an input that crashed before always fails.
     "$work/$1" -runs=0 "fuzz/corpus/$1" >"$work/$1.log" 2>&1 &&
-        "$work/$1" -seed="${SEED:-0}" -max_total_time="$seconds" -max_len=1200 -timeout=300 -rss_limit_mb=1500 -print_final_stats=1 \
-            -artifact_prefix="$found/$1-" "$kept" "fuzz/corpus/$1" >"$work/$1.log" 2>&1 || return 1
+        "$work/$1" -seed="${SEED:-0}" -max_total_time="$seconds" $limits -timeout=300 -rss_limit_mb=1500 \
+            -print_final_stats=1 -artifact_prefix="$found/$1-" -seed_inputs="@$work/$1.seeds" ${kept:+"$kept"} >"$work/$1.log" 2>&1 || return 1
     runs=$(sed -n 's/^stat::number_of_executed_units: *//p' "$work/$1.log")
+    rate=$(sed -n 's/^stat::average_exec_per_sec: *//p' "$work/$1.log")
     coverage=$(sed -n 's/.* cov: \([0-9]*\) .*/\1/p' "$work/$1.log" | tail -n 1)
-    echo "$1: $runs runs, coverage $coverage, 0 crashes" >"$work/$1.line"
+    echo "$1: $runs runs, $rate a second, coverage $coverage, 0 crashes" >"$work/$1.line"
 }
 judged() {
     if one "$1" 2>"$work/$1.err"; then

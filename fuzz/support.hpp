@@ -56,7 +56,7 @@ class input {
 };
 
 /// Shortens a frame, but never to nothing.
-inline void cut(byte_list& frame, std::size_t by) {
+template <class List> void cut(List& frame, std::size_t by) {
     frame.erase(frame.end() - static_cast<long>(by % frame.size()), frame.end());
 }
 
