@@ -3,7 +3,7 @@
 //
 // Judges the refusals of commands: a plan against a test's own rules, and against what `why` says of it.
 //
-//     refusal_judge of;
+//     refusal_judge of{drive_states{drive_state::needs_init, drive_state::disabled, drive_state::enabled}};
 //     const rule rules[] = {rule::whole(0x2080, 5, 2), rule::range(0x2080, 5, 2, 0, 32'767)}; // 2.5 counts
 //     of.judge(zlac8015d::ramps{}, settings, rules);
 #pragma once
@@ -104,6 +104,9 @@ class near_limits {
 
 class refusal_judge {
   public:
+    /// `all`: the states that the manual of the drive has, but for a fault.
+    constexpr explicit refusal_judge(drive_states all) : all_{all} {}
+
     /// The number of plans for each way in which they ended.
     std::string seen() const {
         std::string all;
@@ -157,15 +160,19 @@ class refusal_judge {
     }
     // The states in which the command is possible if nothing else changes, if there are any.
     template <class Command, class Settings>
-    static void check_states(const refusal& r, const Command& wanted, const Settings& known) {
+    void check_states(const refusal& r, const Command& wanted, const Settings& known) const {
         drive_states possible;
-        for (const drive_state s :
-             {drive_state::needs_init, drive_state::needs_set_up, drive_state::needs_power_cycle,
-              drive_state::disabled, drive_state::enabled, drive_state::quick_stopped}) {
+        const auto is_refused = [](errc e) { return e == errc::needs_init || e == errc::wrong_state; };
+        for (unsigned n = 0; n <= static_cast<unsigned>(drive_state::faulted); ++n) {
             Settings other = known;
-            other.state = s;
-            const errc e = commands::refusal_of(wanted, other).error;
-            if (e != errc::needs_init && e != errc::wrong_state) possible.add(s);
+            other.state = static_cast<drive_state>(n);
+            if (!all_.has(other.state)) continue;
+            const auto planned = commands::prepared(wanted, other);
+            bool is_possible = !is_refused(planned.refusal);
+            // Also with a wrong value, which is refused before the drive is asked.
+            if constexpr (requires { permitted(planned, other); })
+                is_possible = is_possible && !is_refused(permitted(planned, other));
+            if (is_possible) possible.add(other.state);
         }
         CHECK_FALSE(possible.has(known.state));
         if (!possible.is_empty()) CHECK(r.states == possible);
@@ -194,6 +201,7 @@ class refusal_judge {
         ++counts_[which];
     }
 
+    drive_states all_;
     unsigned counts_[std::size(names)]{};
 };
 

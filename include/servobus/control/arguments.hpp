@@ -67,16 +67,14 @@ struct command_argument {
   private:
     constexpr bool is_below(std::int64_t low) const { return count < low; }
     constexpr bool is_above(std::int64_t high) const { return count > high || (!is_exact && count == high); }
-    // Keeps the narrowest limit that is broken, and the row's where none is.
+    // Narrows both ends; `limited_by` has the register of the narrowest limit that is broken.
     constexpr command_argument limited(std::uint16_t by, std::int64_t low, std::int64_t high) const {
         command_argument a = *this;
-        if (is_below(low) && low > limits.low) {
-            a.limits.low = low;
-            a.limited_by = by;
-        } else if (is_above(high) && high < limits.high) {
-            a.limits.high = high;
-            a.limited_by = by;
-        }
+        const bool is_lower = high < limits.high;
+        const bool is_higher = low > limits.low;
+        if ((is_higher && is_below(low)) || (is_lower && is_above(high))) a.limited_by = by;
+        if (is_higher) a.limits.low = low;
+        if (is_lower) a.limits.high = high;
         return a;
     }
 };

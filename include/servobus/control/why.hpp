@@ -24,6 +24,11 @@ namespace servobus {
 /// A set of states of a drive.
 class drive_states {
   public:
+    constexpr drive_states() = default;
+    template <class... More> constexpr explicit drive_states(drive_state first, More... more) {
+        add(first);
+        (add(more), ...);
+    }
     constexpr bool has(drive_state s) const { return (bits_ & mask_of(s)) != 0; }
     constexpr bool is_empty() const { return bits_ == 0; }
     constexpr void add(drive_state s) { bits_ = static_cast<std::uint8_t>(bits_ | mask_of(s)); }
@@ -38,7 +43,8 @@ class drive_states {
 struct condition {
     std::uint16_t address = 0; ///< the address of its register
     std::uint16_t code = 0;    ///< the code that it has now
-    /// Bit n is set if code n makes the command possible in the drive's state; in any state if no code does there.
+    /// Bit n is set if the command is possible with code n in the drive's state; if it is with no code there, in any
+    /// state.
     std::uint16_t codes = 0;
     /// True if `code`, 0 or 1, is a fact about the register and not its content. The device's header says which fact.
     bool is_flag = false;
@@ -96,18 +102,18 @@ class each_condition {
 struct refusal {
     errc error = errc::ok; ///< `ok` if the command's plan has no objection
 
-    bool has_argument = false;   ///< false also if the command has no list of its arguments
-    command_argument argument{}; ///< the first argument that explains the error
+    command_argument argument{}; ///< the first argument that explains the error, if `is_of_value()`
 
     drive_state state = drive_state::needs_init; ///< the state of the drive
-    /// In these the command is possible with the present settings; if there is none, with any settings.
+    /// The states in which the command is possible with the present settings; if there is none, with other settings.
     drive_states states{};
     std::uint8_t size = 0; ///< the number of `conditions`
     condition conditions[each_condition::most]{};
 
-    /// True if a value is refused; `argument` has it with its limits.
-    constexpr bool is_of_value() const { return has_argument; }
-    /// True if the state or a setting is refused; the command is possible with those in `states` and `conditions`.
+    /// True if `argument` is refused. False also for a command without a list of its arguments.
+    constexpr bool is_of_value() const { return argument.explains(error); }
+    /// True if the command is refused for the drive's state or a setting; it is possible with those in `states` and
+    /// `conditions`.
     constexpr bool is_of_state() const {
         return error == errc::needs_init || error == errc::wrong_state || error == errc::faulted;
     }
@@ -126,9 +132,13 @@ template <class Settings> constexpr void visit_conditions(Settings& known, each_
 }
 
 // The states that a model puts into its settings; a fault is seen in the feedback.
-inline constexpr drive_state planned_states[] = {drive_state::needs_init,        drive_state::needs_set_up,
-                                                 drive_state::needs_power_cycle, drive_state::disabled,
-                                                 drive_state::enabled,           drive_state::quick_stopped};
+template <class Settings> constexpr drive_states states_of(const Settings& known) {
+    if constexpr (requires { planned_states(known); }) {
+        return planned_states(known);
+    } else {
+        return drive_states{drive_state::needs_init, drive_state::disabled, drive_state::enabled};
+    }
+}
 
 /// Collects the states and codes with which a command is possible. It is one class for all commands, for flash.
 class possible_states {
@@ -164,29 +174,39 @@ class possible_states {
     std::uint16_t here_[each_condition::most]{}; // in the drive's state
 };
 
-// The error of the plan. A device whose routines read the drive's state first has a function `permitted` besides.
-template <class Command, class Settings>
-constexpr errc error_of(const Command& wanted, const Settings& known) {
-    const auto planned = commands::prepared(wanted, known);
+// The error of what the command's routine reads first, in a device that has a function `permitted` for that.
+template <class Prepared, class Settings>
+constexpr errc error_after(const Prepared& planned, const Settings& known) {
     if constexpr (requires { permitted(planned, known); }) {
-        if (planned.refusal == errc::ok) return permitted(planned, known);
+        return permitted(planned, known);
+    } else {
+        return errc::ok;
     }
-    return planned.refusal;
 }
+
+constexpr bool is_of_state(errc e) { return e == errc::needs_init || e == errc::wrong_state; }
 
 template <class Command, class Settings>
 constexpr bool is_possible(const Command& wanted, Settings& tried, drive_state s) {
     tried.state = s;
-    const errc e = error_of(wanted, tried);
-    return e != errc::needs_init && e != errc::wrong_state;
+    const auto planned = commands::prepared(wanted, tried);
+    return !is_of_state(planned.refusal) && !is_of_state(error_after(planned, tried));
+}
+
+/// Calls `use(state)` for each state in which the command is possible with the settings `tried`.
+template <class Command, class Settings, class Use>
+constexpr void for_each_state(const Command& wanted, Settings& tried, Use use) {
+    const drive_states all = states_of(tried);
+    for (unsigned n = 0; n <= static_cast<unsigned>(drive_state::faulted); ++n) {
+        const auto s = static_cast<drive_state>(n);
+        if (all.has(s) && is_possible(wanted, tried, s)) use(s);
+    }
 }
 
 template <class Command, class Settings>
 constexpr void find_states(refusal& r, const Command& wanted, const Settings& known) {
     Settings tried = known;
-    for (const drive_state s : planned_states) {
-        if (is_possible(wanted, tried, s)) r.states.add(s);
-    }
+    for_each_state(wanted, tried, [&](drive_state s) { r.states.add(s); });
     possible_states found;
     for (std::uint32_t n = 0;; ++n) {
         tried = known;
@@ -194,9 +214,7 @@ constexpr void find_states(refusal& r, const Command& wanted, const Settings& kn
         visit_conditions(tried, each);
         if (!each.is_valid()) break;
         found.note_settings(r, each);
-        for (const drive_state s : planned_states) {
-            if (is_possible(wanted, tried, s)) found.note(r, each, s);
-        }
+        for_each_state(wanted, tried, [&](drive_state s) { found.note(r, each, s); });
     }
     found.conclude(r);
 }
@@ -207,24 +225,24 @@ namespace commands {
 template <class Command, class Settings>
 constexpr refusal refusal_of(const Command& wanted, const Settings& known) {
     refusal r;
-    r.error = detail::error_of(wanted, known);
+    const auto planned = commands::prepared(wanted, known);
+    r.error = commands::first_error(planned.refusal, detail::error_after(planned, known));
     r.state = known.state;
     if (r.error == errc::ok) return r;
     if (r.is_of_state()) detail::find_states(r, wanted, known);
     if constexpr (requires { arguments(wanted, known); }) {
         for (const command_argument& a : arguments(wanted, known)) {
-            if (r.has_argument || !a.explains(r.error)) continue;
-            r.has_argument = true;
-            r.argument = a;
+            if (!r.is_of_value() && a.explains(r.error)) r.argument = a;
         }
     }
     return r;
 }
 } // namespace commands
 
-/// Returns why `drive` has refused `wanted`; call it before another call of the drive. The error is `ok` if the facade
-/// refused it for a reason of its own: another command is under way (`busy`), the node's address is wrong, its response
-/// limit is too long for a watchdog, or a wait has no move to wait for.
+/// Returns why `drive` has refused `wanted`; call it before another call of the drive. The error is `ok` if the plan of
+/// the command has no objection: the drive has refused it, or the facade for a reason of its own, such as another command
+/// under way (`busy`), the stop for a fault (`faulted`), a wait without a move, or a node address or feedback period that
+/// cannot be (`bad_argument`).
 template <class Drive, class Command> constexpr refusal why(const Drive& drive, const Command& wanted) {
     refusal r = commands::refusal_of(wanted, drive.cached());
     if (drive.state() == drive_state::faulted && r.error == errc::wrong_state) r.error = errc::faulted;

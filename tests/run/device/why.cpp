@@ -31,8 +31,8 @@ constexpr drive_states set_of(std::initializer_list<drive_state> all) {
     for (const drive_state s : all) set.add(s);
     return set;
 }
-constexpr drive_states known_states =
-    set_of({needs_set_up, needs_power_cycle, disabled, enabled, quick_stopped});
+static_assert(set_of({}) == drive_states{} && set_of({disabled}) == drive_states{disabled});
+static_assert(set_of({enabled, disabled}) == drive_states{disabled, enabled});
 
 /// `codes` of the setting at `address`, or -1 if it is none of the conditions.
 constexpr long codes_of(const refusal& r, unsigned address) {
@@ -53,7 +53,9 @@ constexpr refusal too_fast =
 static_assert(too_fast.error == errc::out_of_range && too_fast.is_of_value() && !too_fast.is_of_state());
 static_assert(too_fast.argument.address == zlac8015d::right_target_speed.address);
 static_assert(too_fast.argument.limited_by == zlac8015d::max_motor_speed.address);
-static_assert(too_fast.argument.count == -1010 && too_fast.argument.limits.low == -1000);
+static_assert(too_fast.argument.count == -1010);
+static_assert(too_fast.argument.limits.low == -1000 &&
+              too_fast.argument.limits.high == 1000); // both of 2008h
 static_assert(sizeof(refusal) <= 112);
 
 // A command of the program's own, without a list of its arguments.
@@ -94,12 +96,18 @@ TEST_CASE("why: a ZLAC8015D's command names its states and its mode") {
     const refusal halted = commands::refusal_of(halt{}, together);
     CHECK(halted.error == errc::wrong_state);
     // In any other state; or in this one with another mode, velocity or torque.
-    CHECK(halted.states == set_of({needs_init, needs_set_up, needs_power_cycle, disabled, quick_stopped}));
+    CHECK(halted.states == set_of({needs_init, disabled, quick_stopped}));
     CHECK(halted.unmet()->address == 0x200D);
     CHECK(halted.unmet()->codes == (1u << 3 | 1u << 4));
 
     CHECK(commands::refusal_of(enable{}, cached_settings{}).error == errc::needs_init);
-    CHECK(commands::refusal_of(enable{}, cached_settings{}).states == known_states);
+    CHECK(commands::refusal_of(enable{}, cached_settings{}).states ==
+          set_of({disabled, enabled, quick_stopped}));
+    const refusal no_mode = commands::refusal_of(enable_in{checked(operating_mode::undefined)}, in_velocity);
+    CHECK(no_mode.is_of_value());
+    CHECK(no_mode.argument.limits.low == 1);
+    const refusal other = commands::refusal_of(enable_in{checked(operating_mode{9})}, in_velocity);
+    CHECK(other.argument.limits == no_mode.argument.limits);
     CHECK(commands::refusal_of(save{}, in_velocity).states == set_of({disabled}));
     CHECK(commands::refusal_of(init{}, in_velocity).error == errc::ok);
 }
@@ -135,6 +143,12 @@ TEST_CASE("why: a C630S's command names its states, mode, source and segments") 
     auto by_itself = in_speed;
     by_itself.runs_speed_segments = true;
     CHECK(commands::refusal_of(velocity{}, by_itself).unmet()->address == 0x0602);
+    auto slow = in_speed;
+    slow.max_forward = 3000;
+    slow.max_reverse = 2000;
+    const range both = commands::refusal_of(velocity{3001 * r_per_min}, slow).argument.limits;
+    CHECK(both.low == -2000);
+    CHECK(both.high == 3000);
     by_itself.run = segment_mode::cyclic;
     CHECK(commands::refusal_of(select_speed_segment{2}, by_itself).unmet()->address == 0x1200);
     // Before `init` the settings are not known, so any of them count.
@@ -167,7 +181,15 @@ TEST_CASE("why: a YAKO's command names the register that the program must set fi
     off.state = enabled;
     const refusal free_first = commands::refusal_of(set_input{input::x0, input_function::home}, off);
     CHECK(free_first.error == errc::wrong_state);
-    CHECK(free_first.states == set_of({needs_set_up, needs_power_cycle, disabled, quick_stopped}));
+    CHECK(free_first.states == set_of({disabled}));
+
+    // A drive that is not enabled refuses these two also once their values are right, or the homing is done.
+    const refusal wrong_too =
+        commands::refusal_of(velocity{9999 * r_per_min}, cached_settings{.has_scale = true});
+    CHECK(wrong_too.error == errc::needs_init);
+    CHECK(wrong_too.states == set_of({enabled}));
+    CHECK(commands::refusal_of(move_to{10 * pulse}, known).error == errc::wrong_state);
+    CHECK(commands::refusal_of(move_to{10 * pulse}, known).states == set_of({enabled}));
 
     const refusal standing = commands::refusal_of(velocity{0 * r_per_min}, known);
     CHECK(standing.argument.count == 0);

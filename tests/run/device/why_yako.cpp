@@ -29,7 +29,8 @@ struct three_rules {
 
 struct bench {
     tests::near_limits pick{0x5EED'0A40};
-    tests::refusal_judge of{};
+    tests::refusal_judge of{
+        drive_states{drive_state::needs_init, drive_state::disabled, drive_state::enabled}};
     cached_settings known{};
 
     void draw() {

@@ -24,7 +24,8 @@ constexpr unsigned rounds = 3000;
 
 struct bench {
     tests::near_limits pick{0x5EED'2AC8};
-    tests::refusal_judge of{};
+    tests::refusal_judge of{drive_states{drive_state::needs_init, drive_state::disabled, drive_state::enabled,
+                                         drive_state::quick_stopped}};
     cached_settings known{};
 
     /// Three of four are in a state in which the command is possible.

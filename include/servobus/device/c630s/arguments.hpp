@@ -20,6 +20,11 @@
 
 namespace servobus::c630s {
 
+/// Lists the states that the cached settings may have.
+constexpr drive_states planned_states(const cached_settings&) {
+    return drive_states{drive_state::needs_init, drive_state::needs_set_up, drive_state::needs_power_cycle,
+                        drive_state::disabled,   drive_state::enabled,      drive_state::quick_stopped};
+}
 /// Lists the settings that `enable_in` and `run_speed_segments` choose, and a flag of P31-00: a jog is under way.
 constexpr void conditions(cached_settings& known, each_condition& each) {
     bool is_jogging = known.is_jogging();

@@ -18,6 +18,11 @@
 
 namespace servobus::zlac8015d {
 
+/// Lists the states that the cached settings may have.
+constexpr drive_states planned_states(const cached_settings&) {
+    return drive_states{drive_state::needs_init, drive_state::disabled, drive_state::enabled,
+                        drive_state::quick_stopped};
+}
 /// Lists the settings that `enable_in` chooses.
 constexpr void conditions(cached_settings& known, each_condition& each) {
     each.of<mode_of_operation>(known.mode);
@@ -44,9 +49,10 @@ template <const auto& R> constexpr command_argument absolute_argument(distance p
 // Commands of motion
 
 constexpr auto arguments(const enable_in& c, const cached_settings&) {
-    return argument_list{commands::argument<mode_of_operation>(c.mode.mode())
-                             .only_if(c.mode.error() == errc::ok)
-                             .refused_as(errc::bad_argument)};
+    constexpr auto first = static_cast<std::int64_t>(operating_mode::relative_position);
+    constexpr auto last = static_cast<std::int64_t>(operating_mode::torque);
+    const command_argument mode = commands::argument<mode_of_operation>(c.mode.mode());
+    return argument_list{mode.within(first, last).refused_as(errc::bad_argument)};
 }
 constexpr auto arguments(const velocity& c, const cached_settings& known) {
     return argument_list{detail::speed_argument<left_target_speed>(c.left, known),
