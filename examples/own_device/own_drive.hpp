@@ -20,7 +20,7 @@
 
 #include "own_device.hpp"
 
-// The words of the register that also starts it which may be sent again.
+// The control word also starts the winch: only these words of it may be sent again.
 template <>
 inline constexpr auto servobus::stop_words<winch::control_word> =
     servobus::words_that_stop(winch::control_code::off, winch::control_code::hold);
@@ -214,7 +214,7 @@ class model {
     using prepared_command = winch::prepared_command;
     using settings = cached_settings;
 
-    // Six constants.
+    // Constants; `kinds` and `stops_after_restart` are below.
     static constexpr servobus::drive_traits traits{.stops_without_line = false,
                                                    .halts_in_position = true,
                                                    .changes_speed_on_the_run = true,

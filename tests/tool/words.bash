@@ -4,7 +4,8 @@
 # What bash would complete a command line with, from the function of the script alone:
 #   bash tests/tool/words.bash SCRIPT TOOL BREAKS LINE [TYPE]
 # The line is broken into words at blanks and at each run of the characters in BREAKS, as readline does it with
-# COMP_WORDBREAKS. TYPE is COMP_TYPE: 9 for the first tab, which is the default, 63 for the list after a second. Prints the options of compopt, if there are any, then the candidates, all in one line.
+# COMP_WORDBREAKS. TYPE is COMP_TYPE: 9 for the first tab, which is the default, 63 for the list after a second. Prints
+# the options of compopt, if there are any, then the candidates, all in one line.
 . "$1" || exit 2
 tool=$2 breaks=$3 line=$4
 compopt() { said+=("$*"); } # the builtin works only while readline completes

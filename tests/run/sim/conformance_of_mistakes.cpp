@@ -88,14 +88,21 @@ struct sees_no_fault : winch::model {
     static constexpr bool is_faulted(const std::uint16_t*, const settings&) { return false; }
     static constexpr verdict judge(const std::uint16_t*, settings&) { return verdict::as_expected; }
 };
-struct turn_is_no_motion : winch::model {
+template <winch::effect Wrong> struct is_of_kind_other : winch::model {
     struct own_kinds {
         constexpr command_kind operator[](winch::effect e) const {
-            return e == winch::effect::turned ? command_kind::other : winch::model::kinds[e];
+            return e == Wrong ? command_kind::other : winch::model::kinds[e];
         }
         constexpr bool is_complete() const { return true; }
     };
     static constexpr own_kinds kinds{};
+};
+/// As if the plan of each command with this effect left out its `then`.
+template <winch::effect Effect> struct leaves_out : is_of_kind_other<Effect> {
+    constexpr errc learn(prepared_command& c, slice<const std::uint16_t> words,
+                         winch::cached_settings& known) {
+        return c.then == Effect ? errc::ok : winch::model::learn(c, words, known);
+    }
 };
 struct stays_energised : winch::model {
     static constexpr bool stops_after_restart = false;
@@ -178,7 +185,11 @@ TEST_CASE("the feedback is not judged") {
     CHECK(has(broken_by<sees_no_fault>(), "G35"));
 }
 TEST_CASE("a motion without an end is none for the command timeout") {
-    CHECK(has(broken_by<turn_is_no_motion>(), "G20"));
+    CHECK(has(broken_by<is_of_kind_other<winch::effect::turned>>(), "G20"));
+}
+TEST_CASE("a command that leaves out its effect") {
+    CHECK(has(broken_by<leaves_out<winch::effect::enabled>>(), "G35"));
+    CHECK(has(broken_by<leaves_out<winch::effect::moved>>(), "G29"));
 }
 TEST_CASE("the state after a disable") { CHECK(has(broken_by<learns_no_disable>(), "G35")); }
 TEST_CASE("the stop of a supervisor stops nothing") { CHECK(has(broken_by<stops_nothing>(), "G20")); }
