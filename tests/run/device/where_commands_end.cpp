@@ -17,6 +17,7 @@
 
 #include <examples/own_device/own_subject.hpp>
 #include <tests/support/conformance_subjects.hpp>
+#include <tests/support/driven_zlac8015d.hpp>
 
 namespace where_commands_end_tests {
 
@@ -27,6 +28,13 @@ namespace {
 struct count {
     unsigned with_register = 0;
     unsigned without = 0;
+};
+
+/// A drive of which one of the stops does nothing.
+struct refuses_control_word : sim::zlac8015d {
+    std::uint8_t write(std::uint16_t address, words_view from) {
+        return address == 0x200E ? std::uint8_t{4} : sim::zlac8015d::write(address, from);
+    }
 };
 
 /// The address and the number of registers of a request, counted from the last one.
@@ -84,6 +92,28 @@ TEST_CASE("the register at which a command ended is that of the request which th
     CHECK(axis.with_register >= 15);
     CHECK(axis.without >= 5); // questions to the feedback, and the marker
     CHECK(refuse_all<subjects::servo<>>().with_register >= 30);
+}
+
+TEST_CASE("a command whose stops get no response ends at the register of one that was sent") {
+    simulated::driven_zlac8015d r{};
+    r.wire.faults().lost_response = 1000; // of 1000
+    const routine_status ended = r.drive.run(init{}); // its last stop, 2090h, waits for a response to another
+    CHECK(ended.error() == errc::timeout);
+    REQUIRE(ended.has_register());
+    REQUIRE_FALSE(r.log.frames.empty());
+    CHECK(ended.register_address() == load_word(r.log.frames.back(), 2));
+}
+
+TEST_CASE("a stop that is refused, while others are done, leaves no register of a later step") {
+    refuses_control_word model{};
+    sim::station<refuses_control_word> station{model};
+    sim::virtual_line wire{115200, 1};
+    wire.attach(station);
+    line on{wire, modbus::timing_at(115200)};
+    zlac8015d::drive wheels{on, 1, unsupervised};
+    const routine_status ended = wheels.run(init{});
+    CHECK(ended.error() == errc::exception);
+    CHECK_FALSE(ended.has_register());
 }
 
 TEST_CASE("a command that is refused before anything is sent, or that is done at once, names no register") {
