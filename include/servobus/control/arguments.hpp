@@ -28,7 +28,7 @@ struct command_argument {
     bool is_taken = true; ///< false if the command does not take this value, though it is within the limits
     errc outside = errc::out_of_range; ///< the error of a command with a value outside the limits
     std::int64_t count = 0;            ///< the whole number of counts, or the one below
-    range limits{};
+    range limits{};                    ///< in counts
 
     /// True if the value, exact or not, lies outside the limits, or is not taken.
     constexpr bool is_refused() const { return !is_taken || is_below(limits.low) || is_above(limits.high); }

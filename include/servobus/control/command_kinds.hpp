@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Of which kind each effect of a drive's commands is: a table that the compiler checks to be complete. The author of a drive
-// gives it as `kinds` of the model; control/facade.hpp reads it.
+// The kind of each effect that a drive's commands have: a table that the compiler checks to be complete. The author of a
+// drive gives it as `kinds` of the model; control/facade.hpp reads it.
 //
 //     enum class effect : std::uint8_t { none, initialised, enabled, disabled, end };
 //     constexpr auto kinds = command_kinds<effect>{}
@@ -25,7 +25,7 @@ namespace detail {
 inline void an_effect_has_one_kind() {}
 } // namespace detail
 
-/// `Effect` is an enumeration without gaps whose last enumerator is `end`.
+/// A kind for each enumerator of `Effect`, which has no gaps. The last one is `end`, which has no kind.
 template <class Effect> class command_kinds {
   public:
     static constexpr std::size_t effects = static_cast<std::size_t>(Effect::end);
@@ -33,13 +33,13 @@ template <class Effect> class command_kinds {
     consteval command_kinds() {
         for (std::uint8_t& kind : kinds_) kind = missing;
     }
-    /// The same table with these effects too.
+    /// Returns the table with these effects added. An effect that has a kind already does not compile.
     template <class... Effects> consteval command_kinds of(command_kind kind, Effects... those) const {
         command_kinds all = *this;
         (all.set(kind, those), ...);
         return all;
     }
-    /// Each effect has a kind.
+    /// True if each effect has a kind.
     constexpr bool is_complete() const {
         for (const std::uint8_t kind : kinds_) {
             if (kind == missing) return false;

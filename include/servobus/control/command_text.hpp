@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// What a command and a step are called, for messages. Programs that print how their commands ended include it; who does
-// not pays nothing.
+// The names of commands and of steps, for messages. Programs that print how their commands ended include it; it costs
+// other programs nothing.
 //
 //     template <class Drive, class Command> bool tried(Drive& drive, const Command& wanted) {
 //         const routine_status r = drive.run(wanted);
@@ -23,16 +23,15 @@ namespace detail {
 struct type_name {
     char letters[48]{};
 };
-// The compiler spells the type in the name of the function, behind "Command = ".
+// The compiler spells the type in the name of the function, after "Command = ".
 template <class Command> consteval type_name name_of_type() {
     const char* const all = __PRETTY_FUNCTION__; // NOLINT: it decays on purpose
     constexpr char before[] = "Command = ";
     std::size_t at = 0;
     for (std::size_t matched = 0; matched + 1 < sizeof before; ++at)
         matched = all[at] == before[matched] ? matched + 1 : all[at] == before[0] ? 1 : 0;
-    std::size_t first = at; // behind the last "::" of its namespaces
-    for (; all[at] != ']' && all[at] != ';' && all[at] != '<'; ++at)
-        first = all[at] == ':' ? at + 1 : first;
+    std::size_t first = at; // after the last "::" of its namespaces
+    for (; all[at] != ']' && all[at] != ';' && all[at] != '<'; ++at) first = all[at] == ':' ? at + 1 : first;
     type_name name;
     for (std::size_t i = 0; first + i < at && i + 1 < sizeof name.letters; ++i)
         name.letters[i] = all[first + i];
@@ -41,10 +40,11 @@ template <class Command> consteval type_name name_of_type() {
 template <class Command> inline constexpr type_name name_of = name_of_type<Command>();
 } // namespace detail
 
-/// The name of a command as programs write it, without its namespace: "move_by". For commands of one's own too.
+/// The name of a command's class without its namespace, at most 47 letters: "move_by". An alias has the name of its class
+/// template, `yako::closed_loop::home` "basic_home".
 template <class Command> inline constexpr const char* command_text = detail::name_of<Command>.letters;
 
-/// What a step does. Its register is `routine_status::register_address()` of a command that ended there.
+/// The work of a step in words. Its register is `routine_status::register_address()` of a command that ended there.
 constexpr const char* text(step::kind what) {
     switch (what) {
     case step::kind::write: return "write";

@@ -1,9 +1,9 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Which words of a register stop the motor, so that a frame with them may be sent again. control/step.hpp includes it; the
-// author of a drive names them beside its routines, outside its namespace, for each register that may also start something
-// (`trigger`, `motion`), by a specialisation of `stop_words`; examples/own_device/own_drive.hpp has one.
+// The words of a register that stop the motor: a frame with one of them may be sent again. The author of a drive names
+// them for each register that may also start something (flag `trigger` or `motion`), by a specialisation of `stop_words`
+// before the routines, as examples/own_device/own_drive.hpp does. control/step.hpp includes it.
 //
 //     static_assert(stop_words<zlac8015d::control_word>.contains(0x0007));  // stop
 //     static_assert(!stop_words<zlac8015d::control_word>.contains(0x0008)); // enable
@@ -43,7 +43,7 @@ template <class... Values> consteval stop_word_set<sizeof...(Values)> words_that
     return {{bits_of(values)...}};
 }
 
-/// The words that stop the motor when they are written to `R`; none if nobody has named them.
+/// The words that stop the motor when they are written to `R`. There are none before it is specialised.
 template <const auto& R> inline constexpr stop_word_set<0> stop_words{};
 
 } // namespace servobus

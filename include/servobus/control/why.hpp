@@ -21,7 +21,8 @@
 
 namespace servobus {
 
-/// A set of states of a drive.
+/// A set of states of a drive. A function `planned_states(settings)` in the `arguments.hpp` of a device returns those that
+/// its settings may have; without one they are `needs_init`, `disabled` and `enabled`.
 class drive_states {
   public:
     constexpr drive_states() = default;
@@ -131,7 +132,7 @@ template <class Settings> constexpr void visit_conditions(Settings& known, each_
     if constexpr (requires { conditions(known, each); }) conditions(known, each);
 }
 
-// The states that a model puts into its settings; a fault is seen in the feedback.
+// The states that a model may put into its settings; a fault is seen in the feedback.
 template <class Settings> constexpr drive_states states_of(const Settings& known) {
     if constexpr (requires { planned_states(known); }) {
         return planned_states(known);

@@ -148,6 +148,14 @@ response_limits with_damage() {
 
 static_assert(fixture::until_still.value == 20 && fixture::until_still.is_within);
 
+// Steps are never left out by chance.
+template <class R>
+concept is_made_of_nothing = requires {
+    R{};
+}
+|| requires { R{{}}; };
+static_assert(!is_made_of_nothing<routine> && routine{no_steps}.empty());
+
 TEST_CASE("a routine is a range of the steps of its table") {
     static constexpr std::array kept{fixture::zero, fixture::stop};
     const routine whole{fixture::two_stops};

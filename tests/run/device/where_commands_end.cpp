@@ -96,7 +96,7 @@ TEST_CASE("the register at which a command ended is that of the request which th
 
 TEST_CASE("a command whose stops get no response ends at the register of one that was sent") {
     simulated::driven_zlac8015d r{};
-    r.wire.faults().lost_response = 1000; // of 1000
+    r.wire.faults().lost_response = 1000;             // of 1000
     const routine_status ended = r.drive.run(init{}); // its last stop, 2090h, waits for a response to another
     CHECK(ended.error() == errc::timeout);
     REQUIRE(ended.has_register());
@@ -128,6 +128,7 @@ TEST_CASE("commands and steps have names") {
     CHECK(std::string_view{command_text<init>} == "init");
     CHECK(std::string_view{command_text<yako::declare_position>} == "declare_position");
     CHECK(std::string_view{command_text<winch::turn>} == "turn");
+    CHECK(std::string_view{command_text<yako::closed_loop::home>} == "basic_home");
     for (unsigned k = 0; k <= static_cast<unsigned>(step::kind::witness); ++k) {
         CHECK(std::string_view{text(static_cast<step::kind>(k))} != "unknown");
         for (unsigned other = 0; other < k; ++other)
