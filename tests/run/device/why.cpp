@@ -121,6 +121,10 @@ TEST_CASE("why: a C630S's command names its states, mode, source and segments") 
     CHECK(codes_of(move, 0x0500) == 1 << 2); // segments
     CHECK(codes_of(move, 0x1100) == 1 << 2); // by input
     CHECK(move.unmet()->address == 0x0200);
+    // A speed is refused while a jog is under way, also where there is none now.
+    auto with_segments = in_speed;
+    with_segments.runs_speed_segments = true;
+    CHECK(codes_of(commands::refusal_of(velocity{}, with_segments), 0x3100) == 1 << 0);
 
     auto by_steps = in_speed;
     by_steps.mode = control_mode::position;
@@ -198,7 +202,7 @@ TEST_CASE("why: a YAKO's command names the register that the program must set fi
     CHECK(crossed.error == errc::bad_argument);
     CHECK(crossed.argument.address == 0x0037);
     CHECK(crossed.argument.limited_by == 0x0039);
-    CHECK(crossed.argument.limits.low == 6);
+    CHECK(crossed.argument.limits == range{.low = 6, .high = 0x7FFF'FFFE});
     const refusal number = commands::refusal_of(set_speed_segment{checked(17), {}}, known);
     CHECK(number.error == errc::bad_argument);
     CHECK_FALSE(number.argument.has_register);

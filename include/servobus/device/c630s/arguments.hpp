@@ -37,8 +37,10 @@ constexpr void conditions(cached_settings& known, each_condition& each) {
     }
     each.of<speed_command_selection>(known.runs_speed_segments, false, true);
     each.flag<virtual_input_levels>(is_jogging);
-    if (!is_jogging)
+    if (is_jogging != known.is_jogging()) {
         known.inputs &= static_cast<std::uint16_t>(~(terminal::jog_forward | terminal::jog_reverse));
+        if (is_jogging) known.inputs |= terminal::jog_forward;
+    }
 }
 
 namespace detail {

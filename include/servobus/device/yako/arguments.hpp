@@ -151,7 +151,7 @@ constexpr auto arguments(const limit_travel& c, const cached_settings&) {
     const std::int64_t above = std::int64_t{c.negative.count()} + 1;
     const command_argument order = commands::argument<positive_software_limit>(c.positive);
     return argument_list{
-        order.within<negative_software_limit>(above, 0x7FFF'FFFF).refused_as(errc::bad_argument),
+        order.within<negative_software_limit>(above, 0x7FFF'FFFE).refused_as(errc::bad_argument),
         detail::way_argument<positive_software_limit>(c.positive),
         detail::way_argument<negative_software_limit>(c.negative)};
 }
