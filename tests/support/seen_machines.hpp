@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// How each simulated drive is seen from outside, and what happens to it: what all judges stand on, those of
-// sim/conformance.hpp and those of tests/sim.
+// The view of each simulated drive from outside, and what may happen to it: for all judges, those of sim/conformance.hpp
+// and those of tests/sim.
 #pragma once
 
 #include <cstdint>
@@ -38,7 +38,7 @@ struct wheels {
     static void release_stop(sim::zlac8015d& m) { m.set_input(false, false); }
 };
 
-/// Of both variants.
+/// A YAKO of either variant.
 struct stepper {
     template <class M> static bool is_turning(const M& m) { return m.view().is_moving; }
     template <class M> static bool is_energised(const M& m) { return m.enabled(); }
