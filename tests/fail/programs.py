@@ -11,6 +11,7 @@ programs.py page --check                       fails if README.md is not that pa
 import re
 import subprocess
 import sys
+import textwrap
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -67,10 +68,10 @@ def read(path):
     first = marked
     while first > 0 and not re.match(r" *(\(void\)|constexpr auto|inline constexpr)", code[first]):
         first -= 1
-    while not code[first]:
+    while not code[first] or code[first] == "using namespace servobus;":
         first += 1
-    lines = [re.sub(r" *// wrong$", "", line).lstrip(" ").removeprefix("(void)") for line in code[first : marked + 1]]
-    program.wrong = "\n    ".join(lines)
+    lines = [re.sub(r" *// wrong$", "", line) for line in code[first : marked + 1]]
+    program.wrong = textwrap.dedent("\n".join(re.sub(r"^( *)\(void\)", r"\1", line) for line in lines))
     return program
 
 
