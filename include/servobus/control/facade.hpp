@@ -69,7 +69,8 @@ template <class Model, class Line> class facade {
     /// Starts a command; `step` moves it on. A stop replaces a command of lower priority and is sent right
     /// after the frame in flight. Errors: the command's own; `busy` if another command is under way;
     /// `needs_init`; `faulted`; `bad_argument` for a node address that the device cannot have, a feedback period
-    /// that is shorter than its frame and response, or a drive that its bus refuses. Nothing is sent then.
+    /// that is shorter than its frame and response, a drive that its bus refuses, or a plan with neither steps nor a
+    /// refusal. Nothing is sent then.
     template <class Wanted> [[nodiscard]] constexpr errc begin(const Wanted& wanted) {
         prepared_command next = commands::prepared(wanted, valid_settings());
         return accept(next);
