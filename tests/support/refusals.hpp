@@ -21,7 +21,7 @@
 
 #include <servobus/control/why.hpp>
 
-namespace servobus::tests {
+namespace servobus::refusal_tests {
 
 /// A rule of a command about one argument: a value of `numerator / denominator` counts of the register at `address`.
 /// A number without a register has the address -1.
@@ -205,4 +205,4 @@ class refusal_judge {
     unsigned counts_[std::size(names)]{};
 };
 
-} // namespace servobus::tests
+} // namespace servobus::refusal_tests

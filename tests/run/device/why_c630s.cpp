@@ -17,17 +17,17 @@ namespace why_c630s_tests {
 using namespace servobus;
 using namespace servobus::c630s;
 using c630s::time; // and not that of the C library
-using tests::rule;
+using refusal_tests::rule;
 
 namespace {
 
 constexpr unsigned rounds = 1500;
 
 struct bench {
-    tests::near_limits pick{0x5EED'C630};
-    tests::refusal_judge of{drive_states{drive_state::needs_init, drive_state::needs_set_up,
-                                         drive_state::needs_power_cycle, drive_state::disabled,
-                                         drive_state::enabled, drive_state::quick_stopped}};
+    refusal_tests::near_limits pick{0x5EED'C630};
+    refusal_tests::refusal_judge of{drive_states{drive_state::needs_init, drive_state::needs_set_up,
+                                                 drive_state::needs_power_cycle, drive_state::disabled,
+                                                 drive_state::enabled, drive_state::quick_stopped}};
     cached_settings known{};
 
     /// Seven of eight are in a state in which the command is possible.

@@ -16,7 +16,7 @@ namespace why_yako_tests {
 
 using namespace servobus;
 using namespace servobus::yako;
-using tests::rule;
+using refusal_tests::rule;
 using yako::time; // and not that of the C library
 
 namespace {
@@ -28,8 +28,8 @@ struct three_rules {
 };
 
 struct bench {
-    tests::near_limits pick{0x5EED'0A40};
-    tests::refusal_judge of{
+    refusal_tests::near_limits pick{0x5EED'0A40};
+    refusal_tests::refusal_judge of{
         drive_states{drive_state::needs_init, drive_state::disabled, drive_state::enabled}};
     cached_settings known{};
 

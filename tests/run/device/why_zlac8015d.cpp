@@ -15,7 +15,7 @@ namespace why_zlac8015d_tests {
 
 using namespace servobus;
 using namespace servobus::zlac8015d;
-using tests::rule;
+using refusal_tests::rule;
 using zlac8015d::time; // and not that of the C library
 
 namespace {
@@ -23,9 +23,9 @@ namespace {
 constexpr unsigned rounds = 3000;
 
 struct bench {
-    tests::near_limits pick{0x5EED'2AC8};
-    tests::refusal_judge of{drive_states{drive_state::needs_init, drive_state::disabled, drive_state::enabled,
-                                         drive_state::quick_stopped}};
+    refusal_tests::near_limits pick{0x5EED'2AC8};
+    refusal_tests::refusal_judge of{drive_states{drive_state::needs_init, drive_state::disabled,
+                                                 drive_state::enabled, drive_state::quick_stopped}};
     cached_settings known{};
 
     /// Three of four are in a state in which the command is possible.
