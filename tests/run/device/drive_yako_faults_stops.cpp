@@ -11,6 +11,7 @@
 
 #include <tests/support/driven_yako.hpp>
 #include <tests/support/enabled_yako.hpp>
+#include <tests/support/transaction_fault.hpp>
 
 namespace drive_yako_faults_stops_tests {
 
@@ -196,6 +197,26 @@ TEST_CASE("a homing whose outcome is unknown is stopped") {
     a.wire.cut_for(milliseconds(500));
     a.finish();
     CHECK(a.drive.last().outcome() == outcome::unknown);
+    CHECK(a.drive.state() == drive_state::needs_init);
+    CHECK(a.sent(stop_frame) == 2); // the one of init, and this one
+    CHECK_FALSE(a.is_moving());
+}
+
+TEST_CASE("G20: a homing is stopped whose state the drive refuses to show after the start") {
+    using refusing_axis =
+        simulated::driven_yako<simulated::refusing<sim::yako_closed_loop>, yako::closed_loop::drive>;
+    refusing_axis a;
+    a.model.attach(simulated::yako_slide());
+    take(a);
+    REQUIRE(a.drive.begin(closed_loop::home{homing::home_24}) == errc::ok);
+    while (!a.is_moving()) a.turn();
+    const std::uint64_t acknowledged = a.wire.time_us() + 50'000;
+    while (a.wire.time_us() < acknowledged) a.turn();
+    a.model.refuses = true;
+    while (a.model.refused == 0) a.turn();
+    a.model.refuses = false;
+    a.finish();
+    CHECK(a.drive.last().error() == errc::exception);
     CHECK(a.drive.state() == drive_state::needs_init);
     CHECK(a.sent(stop_frame) == 2); // the one of init, and this one
     CHECK_FALSE(a.is_moving());

@@ -211,6 +211,11 @@ template <class Device> class model {
                  .then = effect::stop_examined};
             return;
         }
+        if (c.then == effect::homed && r.outcome() == outcome::refused && r.step > start_step_of(c)) {
+            motion_.note(motion_check::unknown); // a read was refused: the homing goes on
+            c = plan(halt{}, known);
+            return;
+        }
         if (!is_motion(c.then) || r.outcome() != outcome::unknown) return;
         if (r.step < start_step_of(c)) return;
         if (r.error() == errc::not_executed) return note_profile(c, known);
