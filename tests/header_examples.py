@@ -109,7 +109,7 @@ GIVEN = {
     "posix/descriptor.hpp": 'constexpr const char* path = "/dev/ttyUSB0";',
     "sim/c630s/plant.hpp": "inline sim::c630s drive;",
     "sim/faults.hpp": "constexpr bytes response;",
-    "sim/memory.hpp": "inline sim::zlac8015d drive;",
+    "sim/memory.hpp": "inline sim::zlac8015d drive; inline constexpr sim::register_index<0x0010, 8> index{{}};",
     "sim/yako/machine.hpp": "inline sim::yako_closed_loop drive;",
 }
 

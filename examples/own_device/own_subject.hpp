@@ -27,9 +27,8 @@ struct subject {
     static constexpr std::int64_t tolerance = 0;                    // of a place, in pulses
     static constexpr bool energises_by_reset = false;               // a fault reset
     static constexpr bool energises_by_level = true;                // a halt writes `hold`
-    static servobus::sim::restart_shows restart_is_seen(unsigned) { // `host_word`
-        return servobus::sim::restart_shows::always;
-    }
+    static servobus::sim::what_shows shows(unsigned) { return {}; } // a restart always: `host_word`
+    static bool can_be_done(unsigned, const char*) { return true; }
     static machine make(unsigned) { return machine{}; }
     template <class Drive> static bool take_over(Drive& drum, machine&) {
         return static_cast<bool>(drum.run(servobus::init{}));

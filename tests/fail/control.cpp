@@ -15,6 +15,7 @@
 #include <servobus/registers/catalogue.hpp>
 #include <servobus/server/host_row_server.hpp>
 
+#include "../../examples/own_device/own_subject.hpp"
 #include "basin.hpp"
 #include "program.hpp"
 #include "served.hpp"
@@ -303,4 +304,6 @@ int main() {
     (void)servobus::commands::argument<zlac::host_timeout>(60 * units::millisecond);
     constexpr std::uint16_t address = "P0B-07"_p;
     (void)address;
+    servobus::sim::conformance<winch::subject> kit{nullptr};
+    (void)kit;
 }

@@ -46,6 +46,14 @@ struct reading {
 namespace detail {
 inline const std::vector<unsigned> sizes{5, 2, 3, 2, 3, 2, 2, 2, 2, 2, 2, 2};
 inline const std::vector<unsigned> other_sizes{2, 2, 2, 2, 2};
+} // namespace detail
+
+/// The number of positions of each switch of `options_of`.
+inline std::vector<unsigned> switches() {
+    std::vector<unsigned> all = detail::sizes;
+    all.insert(all.end(), detail::other_sizes.begin(), detail::other_sizes.end());
+    return all;
+}
 
 inline servobus::sim::c630s_options options_of(const choice& c) {
     using namespace servobus::sim;
@@ -67,13 +75,11 @@ inline servobus::sim::c630s_options options_of(const choice& c) {
             .disabled_inputs_count = c[15] != 0,
             .first_output_shows = c[16] != 0};
 }
+
+namespace detail {
 inline std::vector<choice> choices_of_run() {
     const char* wanted = std::getenv("SERVOBUS_READINGS");
-    if (wanted == nullptr || std::string_view{wanted} != "whole") {
-        std::vector<unsigned> all = sizes;
-        all.insert(all.end(), other_sizes.begin(), other_sizes.end());
-        return ::readings::chosen(all);
-    }
+    if (wanted == nullptr || std::string_view{wanted} != "whole") return ::readings::chosen(switches());
     std::vector<choice> product = ::readings::whole_product(sizes);
     const std::vector<choice> others = ::readings::whole_product(other_sizes);
     for (std::size_t i = 0; i < product.size(); ++i) {
@@ -91,7 +97,7 @@ inline const std::vector<reading>& all() {
         const std::vector<choice> choices = detail::choices_of_run();
         const bool is_whole = choices.size() > 1000;
         for (const choice& c : choices)
-            found.push_back({detail::options_of(c), found.size(), c, 4, is_whole ? 16u : 1u, is_whole});
+            found.push_back({options_of(c), found.size(), c, 4, is_whole ? 16u : 1u, is_whole});
         return found;
     }();
     return found_once;

@@ -5,11 +5,16 @@
 #pragma once
 
 #include <cstdint>
+#include <cstdio>
+#include <cstdlib>
 #include <string>
+#include <string_view>
 
 #include <doctest/doctest.h>
 
 #include <servobus/sim/conformance.hpp>
+
+#include <tests/support/readings.hpp>
 
 namespace conformance_tests {
 
@@ -25,20 +30,60 @@ inline void show(void*, const sim::finding& f) {
     MESSAGE(all);
 }
 
-/// At least so many runs, and each mishap at least a quarter as often as it was planned.
+/// Each mishap has happened at least a quarter as often as it was planned.
+inline void check_counts(const sim::played& all) {
+    const std::uint32_t of_each = all.runs / (sizeof sim::all_mishaps / sizeof *sim::all_mishaps);
+    for (const sim::mishap m : sim::all_mishaps) {
+        const std::string name = sim::text(m);
+        CAPTURE(name);
+        CHECK(all.happened[static_cast<unsigned>(m)] >= of_each / 4);
+        CHECK(all.happened[static_cast<unsigned>(m)] > 0);
+    }
+}
+
+/// Under the first interpretation: at least so many runs.
 template <class Subject> void judge(std::uint32_t least_runs) {
     sim::conformance<Subject> kit{&show};
     const sim::played singles = kit.singles(0);
     CHECK(singles.findings == 0);
     CHECK(singles.runs >= least_runs);
-    const std::uint32_t of_each = singles.runs / (sizeof sim::all_mishaps / sizeof *sim::all_mishaps);
-    for (const sim::mishap m : sim::all_mishaps) {
-        const std::string name = sim::text(m);
-        CAPTURE(name);
-        CHECK(singles.happened[static_cast<unsigned>(m)] >= of_each / 4);
-    }
+    check_counts(singles);
     sim::conformance<Subject> pairs{&show};
     CHECK(pairs.pairs(7, 300).findings == 0);
+}
+
+/// Under each interpretation but the first: of the single mishaps one of `parts`, from interpretation to interpretation
+/// another. All of them with SERVOBUS_READINGS=whole; only the first interpretation with SERVOBUS_READINGS=default. Prints
+/// what was played.
+template <class Subject, class Interpretations>
+void judge_readings(std::uint32_t least_runs, std::uint32_t parts) {
+    const char* wanted = std::getenv("SERVOBUS_READINGS");
+    const std::string_view how = wanted == nullptr ? "" : wanted;
+    if (how == "default") {
+        judge<Subject>(least_runs);
+        return;
+    }
+    if (how == "whole") parts = 1;
+    sim::conformance<Subject> kit{&show};
+    sim::played all{};
+    unsigned few = 0;
+    for (unsigned reading = 1; reading < Interpretations::count; ++reading) {
+        const std::string positions = readings::name(Interpretations::choices()[reading]);
+        CAPTURE(positions);
+        const std::uint32_t before = all.runs;
+        all = kit.singles(reading, {reading % parts, parts});
+        CHECK(all.runs > before);
+        few += all.runs - before < least_runs / parts * 3 / 4 ? 1u : 0u;
+    }
+    CHECK(all.findings == 0);
+    CHECK(few <= 1); // under one interpretation of the C630S no enable can be confirmed
+    check_counts(all);
+    std::printf("readings: %s: %u alone, one of %u single mishaps: %u runs;",
+                doctest::getContextOptions()->currentTest->m_name, Interpretations::count - 1, parts,
+                all.runs);
+    for (const sim::mishap m : sim::all_mishaps)
+        std::printf(" %s: %u;", sim::text(m), all.happened[static_cast<unsigned>(m)]);
+    std::printf("\n");
 }
 
 } // namespace conformance_tests

@@ -6,6 +6,7 @@
 #pragma once
 
 #include <cstdint>
+#include <string_view>
 
 #include <servobus/device/c630s.hpp>
 #include <servobus/device/yako.hpp>
@@ -33,7 +34,11 @@ template <class Machine> void write_by_hand(Machine& m, std::uint16_t address, s
 }
 
 template <class Readings = default_reading<sim::zlac8015d_options>> struct wheels {
-    using machine = sim::zlac8015d;
+    using options = sim::zlac8015d_options;
+    struct machine : sim::zlac8015d {
+        explicit machine(const options& read) : sim::zlac8015d{read}, read_as{read} {}
+        options read_as;
+    };
     template <class Line> using drive = zlac8015d::drive<Line>;
 
     static constexpr std::uint8_t address = 1;
@@ -42,12 +47,30 @@ template <class Readings = default_reading<sim::zlac8015d_options>> struct wheel
     static constexpr std::int64_t tolerance = 20;
     static constexpr bool energises_by_reset = false;
     static constexpr bool energises_by_level = false;
-    static sim::restart_shows restart_is_seen(unsigned) { return sim::restart_shows::while_enabled; }
+    static sim::what_shows shows(unsigned reading) {
+        const bool is_hidden = Readings::options(reading).after_quick_stop == options::stopped::locked;
+        return {.restart = sim::restart_shows::while_enabled, .wired_stop = !is_hidden};
+    }
+    /// Errata B30 to B32.
+    static bool can_be_done(unsigned reading, std::string_view command) {
+        const options read = Readings::options(reading);
+        const bool is_move = command.substr(0, 5) == "move_" || command == "a second move";
+        if (command == "torque") return read.in_torque_mode == options::shaft::locked;
+        if (command.substr(0, 10) == "quick_stop")
+            return read.after_quick_stop == options::stopped::emergency;
+        if (command == "halt, turning" || is_move) return read.bit != options::running::enabled;
+        if (command == "fault_reset") return read.code == options::fault_code::until_reset;
+        return true;
+    }
 
     static machine make(unsigned reading) { return machine{Readings::options(reading)}; }
     template <class Drive> static bool take_over(Drive& d, machine& m) {
         write_by_hand(m, 0x2086, 10'000); // a torque soon turns the wheels
         write_by_hand(m, 0x2087, 10'000);
+        if (m.read_as.code_1 == options::brake::releases) {
+            write_by_hand(m, 0x201A, 1);
+            write_by_hand(m, 0x201B, 1);
+        }
         return static_cast<bool>(d.run(init{}));
     }
     static bool is_energised(const machine& m) { return m.enabled(); }
@@ -96,10 +119,13 @@ struct axis {
     static constexpr std::int64_t tolerance = 4;
     static constexpr bool energises_by_reset = true;
     static constexpr bool energises_by_level = false;
-    static sim::restart_shows restart_is_seen(unsigned reading) {
-        const bool is_hidden = Readings::options(reading).kept == sim::yako_kept::written;
-        return is_hidden ? sim::restart_shows::never : sim::restart_shows::always;
+    static sim::what_shows shows(unsigned reading) {
+        const sim::yako_options read = Readings::options(reading);
+        const bool is_hidden = read.kept == sim::yako_kept::written;
+        return {.restart = is_hidden ? sim::restart_shows::never : sim::restart_shows::always,
+                .every_stop = read.stops_homing};
     }
+    static bool can_be_done(unsigned, const char*) { return true; }
 
     static machine make(unsigned reading) { return machine{Readings::options(reading)}; }
     template <class D> static bool take_over(D& d, machine& m) {
@@ -135,7 +161,10 @@ template <class Readings = default_reading<sim::yako_options>>
 using open_axis = axis<sim::yako_open_loop, yako::open_loop::drive, Readings>;
 
 template <class Readings = default_reading<sim::c630s_options>> struct servo {
-    using machine = sim::c630s;
+    struct machine : sim::c630s {
+        explicit machine(const sim::c630s_options& read) : sim::c630s{read}, read_as{read} {}
+        sim::c630s_options read_as;
+    };
     template <class Line> using drive = c630s::drive<Line>;
 
     static constexpr std::uint8_t address = 1;
@@ -144,11 +173,30 @@ template <class Readings = default_reading<sim::c630s_options>> struct servo {
     static constexpr std::int64_t tolerance = 20;
     static constexpr bool energises_by_reset = false;
     static constexpr bool energises_by_level = true;
-    static sim::restart_shows restart_is_seen(unsigned) { return sim::restart_shows::always; }
+    /// A stop reads the marker and sets it again (promise G35).
+    static sim::what_shows shows(unsigned) { return {.restart_in_a_change = false}; }
+    /// Erratum C77: the brake's output confirms an enable. Errata C23, C83: a start may be acknowledged and not move.
+    static bool can_be_done(unsigned reading, std::string_view command) {
+        const sim::c630s_options read = Readings::options(reading);
+        if (command == "jog") return !read.jog_follows_command;
+        if (command == "start_segment" || command == "a second move") return !read.segment_start_is_level;
+        const bool is_wired = read.brake == sim::c630s_brake::wired_only && !read.first_output_shows;
+        return command != "enable" || read.brake == sim::c630s_brake::follows_servo || is_wired;
+    }
 
     static machine make(unsigned reading) { return machine{Readings::options(reading)}; }
     template <class Drive> static bool take_over(Drive& d, machine& m) {
+        using c630s::keep, c630s::output_function;
         if (!d.run(init{}) || !d.run(c630s::set_up{})) return false;
+        if (m.read_as.first_output_shows && !(d.run(keep<c630s::do1_function>{output_function::none}) &&
+                                              d.run(keep<c630s::do2_function>{output_function::none}) &&
+                                              d.run(keep<c630s::do3_function>{output_function::none}) &&
+                                              d.run(keep<c630s::do4_function>{output_function::none}) &&
+                                              d.run(keep<c630s::do5_function>{output_function::none})))
+            return false;
+        if (m.read_as.brake == sim::c630s_brake::wired_only &&
+            !d.run(keep<c630s::do2_function>{output_function::brake}))
+            return false;
         m.power_cycle();
         return static_cast<bool>(d.run(init{})) && d.state() == drive_state::disabled &&
                d.run(c630s::segment{1, 3000 * c630s::reference_unit, 300 * r_per_min});

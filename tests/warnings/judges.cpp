@@ -31,6 +31,7 @@ unsigned judge() {
     sim::conformance<winch::subject> kit{&count_findings, &count};
     const sim::played all = kit.singles();
     (void)kit.pairs(1, 2);
+    if (kit.count_pairs(0, {0, 100}) < 1000) (void)kit.every_pair(0, {0, 100});
     (void)kit.from(hex("00 00 01 02 03 04"));
     return all.runs + count;
 }

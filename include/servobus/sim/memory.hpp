@@ -1,12 +1,14 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// The register memory that the simulated drives share: which addresses exist, the volatile words and their
-// copies in the EEPROM, and a log of the writes. The memory of each drive is derived from it and decides what
-// may be written and what is kept. Tests read the log:
+// A register memory for simulated drives: which addresses exist, the volatile words and their copies in the
+// EEPROM, and a log of the writes. The memory of each drive is derived from it and decides what may be written
+// and what is kept (tests/run/sim/memory.cpp has a small one). Tests read the log:
 //
-//     const servobus::sim::logged_write latest = drive.last_write();
-//     const bool is_enable = latest.address == 0x200E && latest.value == 8;
+//     struct memory : servobus::sim::register_memory<0x0010, 8> { // 0010h .. 0017h
+//         memory() : register_memory{index} { fill([](const servobus::entry&) { return true; }); } // defaults
+//     };
+//     const bool is_enable = drive.last_write().address == 0x200E && drive.last_write().value == 8;
 #pragma once
 
 #include <array>
@@ -25,9 +27,8 @@ struct logged_write {
     std::uint32_t ordinal = 0; ///< 1 for the first word that was written
 };
 
-namespace detail {
-
-/// Finds the catalogue's entry of each of `Size` addresses from `First`.
+/// Finds the catalogue's entry of each of `Size` addresses from `First`. All rows, 254 at most, are among these
+/// addresses.
 template <std::uint16_t First, std::size_t Size> class register_index {
   public:
     constexpr explicit register_index(std::span<const entry> rows) : rows_{rows} {
@@ -42,7 +43,7 @@ template <std::uint16_t First, std::size_t Size> class register_index {
     constexpr bool covers(std::uint16_t address) const {
         return address >= First && address - First < static_cast<int>(Size) && of_[address - First] != none;
     }
-    /// The entry of an address that exists.
+    /// The entry of an address that exists: ask `covers` first.
     constexpr const entry& row(std::uint16_t address) const { return rows_[of_[address - First]]; }
 
   private:
@@ -52,8 +53,10 @@ template <std::uint16_t First, std::size_t Size> class register_index {
     std::array<std::uint8_t, Size> of_{};
 };
 
-/// The words of `Size` addresses from `First`. 32-bit values are stored with the high word first. It refers
-/// to its index, which must outlive it.
+/// The words of `Size` addresses from `First`, volatile and in an EEPROM. 32-bit values are stored with the high
+/// word first. Calls with an address want one of these; only `writes_to` takes any. It refers to its index,
+/// which must outlive it. A drive derives from it: the protected functions are what a power-on, a save and a
+/// restore of the factory's values are made of, each for the rows that a `choice` takes.
 template <std::uint16_t First, std::size_t Size> class register_memory {
   public:
     using map = register_index<First, Size>;
@@ -71,6 +74,7 @@ template <std::uint16_t First, std::size_t Size> class register_memory {
         set(static_cast<std::uint16_t>(address + 1), pair.second);
     }
 
+    /// Counts a word that a client has written, and puts it into the log.
     constexpr void note(std::uint16_t address, std::uint16_t value) {
         ++written_[slot(address)];
         log_[noted_ % log_size] = {address, value, noted_ + 1};
@@ -84,6 +88,7 @@ template <std::uint16_t First, std::size_t Size> class register_memory {
     constexpr logged_write write(std::size_t back) const {
         return back < noted_ && back < log_size ? log_[(noted_ - 1 - back) % log_size] : logged_write{};
     }
+    /// Rows that were kept, and how often `keep` was called.
     constexpr std::uint32_t eeprom_writes() const { return eeprom_writes_; }
     constexpr std::uint32_t saves() const { return saves_; }
 
@@ -92,6 +97,7 @@ template <std::uint16_t First, std::size_t Size> class register_memory {
 
     constexpr explicit register_memory(const map& index) : index_{&index} {}
 
+    /// Volatile words become 0.
     constexpr void clear() { words_ = {}; }
     /// Sets the chosen rows to their defaults, where the manual gives one.
     constexpr void fill(choice which) { fill(words_, which); }
@@ -102,6 +108,7 @@ template <std::uint16_t First, std::size_t Size> class register_memory {
         for (const entry& e : index_->rows()) chosen += which(e) ? 1u : 0u;
         return chosen;
     }
+    /// Counts writes of the EEPROM besides those of `keep`.
     constexpr void wear(std::uint32_t writes) { eeprom_writes_ += writes; }
 
     /// Copies the chosen rows from the EEPROM.
@@ -147,5 +154,4 @@ template <std::uint16_t First, std::size_t Size> class register_memory {
     std::uint32_t saves_ = 0;
 };
 
-} // namespace detail
 } // namespace servobus::sim

@@ -40,8 +40,8 @@ class line_device {
 };
 
 /// A register store with its server, as a device on a line. If the store has `advance(instant)`, the station
-/// advances it with the line's time. If it has `unit()` and `baud()`, the station follows its address and
-/// rate. If it has `response_delay()`, responses are delayed at least as long.
+/// advances it with the line's time. If it has `address()` and `baud()`, the station follows them, also when
+/// they change. If it has `response_delay()`, responses are delayed at least as long.
 template <modbus::register_store Store> class station final : public line_device {
   public:
     /// Takes address, rate and server rules from the store. `response_delay` counts from the last bit of the

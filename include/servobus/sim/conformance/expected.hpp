@@ -16,6 +16,17 @@ namespace servobus::sim {
 /// When a register of the drive tells that it has restarted.
 enum class restart_shows : std::uint8_t { never, while_enabled, always };
 
+/// What can be known of a drive under an interpretation of its manual.
+struct what_shows {
+    restart_shows restart = restart_shows::always;
+    /// False: one is hidden that is over between the read of a register and the write that sets it again.
+    bool restart_in_a_change = true;
+    /// False: a drive that a wired stop has switched off reads as an enabled one.
+    bool wired_stop = true;
+    /// False: a motion that was started on a drive whose restart does not show may be one that no stop ends.
+    bool every_stop = true;
+};
+
 struct expected {
     enum class kind : std::uint8_t { nothing, turns, moves_to, moves_by };
     kind what = kind::nothing;

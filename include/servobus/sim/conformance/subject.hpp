@@ -35,7 +35,9 @@ concept conformance_subject = requires(typename S::machine& m, const typename S:
     { S::baud } -> std::convertible_to<std::uint32_t>;
     { S::readings } -> std::convertible_to<unsigned>;      // interpretations of the manual, at least 1
     { S::tolerance } -> std::convertible_to<std::int64_t>; // of a place, in its counts
-    { S::restart_is_seen(0u) } -> std::same_as<restart_shows>;
+    { S::shows(0u) } -> std::same_as<what_shows>;
+    // False for a command, by the name in a finding, that cannot be confirmed under an interpretation, and so must fail.
+    { S::can_be_done(0u, "") } -> std::same_as<bool>;
     { S::energises_by_reset } -> std::convertible_to<bool>; // a fault reset may
     {
         S::energises_by_level

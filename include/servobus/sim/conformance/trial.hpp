@@ -11,7 +11,6 @@
 #pragma once
 
 #include <array>
-#include <cstddef>
 #include <cstdint>
 #include <span>
 
@@ -22,6 +21,7 @@
 #include <servobus/line/line.hpp>
 #include <servobus/sim/conformance/disturbed.hpp>
 #include <servobus/sim/conformance/finding.hpp>
+#include <servobus/sim/conformance/wire_log.hpp>
 #include <servobus/sim/line.hpp>
 #include <servobus/sim/station.hpp>
 
@@ -64,11 +64,11 @@ template <class Subject> class trial {
         planned_[1] = second;
         first_request_ = wire_.requests();
         struck_ = wire_.struck();
-        writes_ = energised_ = 0;
+        log_.begin();
+        energised_ = 0;
         has_happened_ = {};
         begun_at_ = place();
         was_turning_ = is_turning();
-        known_ = 0;
         is_stop_refused_ = false;
         starts_ = starts();
         least_ = most_ = begun_at_;
@@ -109,7 +109,7 @@ template <class Subject> class trial {
 
     /// Requests that began to leave, and those of them that write.
     unsigned requests() const { return wire_.requests() - first_request_; }
-    unsigned writes() const { return writes_; }
+    unsigned writes() const { return log_.writes(); }
     /// How often the motor was energised, other than by a restart of the drive.
     unsigned energised() const { return energised_; }
     /// True if a disable, begun while the command was under way, was refused.
@@ -118,17 +118,23 @@ template <class Subject> class trial {
     bool has_started() const { return starts() != starts_; }
     std::int64_t begun_at() const { return begun_at_; }
     bool was_turning() const { return was_turning_; }
-    /// True for the third to the last but one of equal requests in a row: a wait asks the same again and again.
-    bool is_repeated(unsigned request) const {
-        if (request < 2 || request + 1 >= known_) return false;
-        const std::uint32_t* r = sums_.data() + request;
-        return r[0] == r[-1] && r[0] == r[-2] && r[0] == r[1];
-    }
+    const wire_log& log() const { return log_; }
     std::int64_t least() const { return least_; }
     std::int64_t most() const { return most_; }
     bool has_happened(mishap m) const { return has_happened_[static_cast<unsigned>(m)]; }
     bool has_restarted() const {
         return has_happened(mishap::restart_before) || has_happened(mishap::restart_after);
+    }
+    /// True if each restart was over between the read of a register and the write that sets it again.
+    bool has_restarted_in_a_change() const {
+        unsigned restarts = 0;
+        for (const planned_mishap& p : planned_) {
+            const bool is_before = p.what == mishap::restart_before;
+            if ((!is_before && p.what != mishap::restart_after) || !has_happened(p.what)) continue;
+            if (!log_.writes_what_was_read(is_before ? p.request : p.request + 1)) return false;
+            ++restarts;
+        }
+        return restarts != 0;
     }
     /// True if it held at some time since the last request but one arrived at the drive: a condition shows within two
     /// frames (G35).
@@ -145,11 +151,7 @@ template <class Subject> class trial {
         return away <= Subject::tolerance && away >= -Subject::tolerance;
     }
 
-    std::span<const traced_frame> trace() {
-        for (std::size_t i = 0; i < kept_; ++i)
-            ordered_[i] = frames_[(next_ + frames_.size() - kept_ + i) % frames_.size()];
-        return {ordered_.data(), kept_};
-    }
+    std::span<const traced_frame> trace() { return log_.trace(); }
 
     // For `disturbed`
 
@@ -255,43 +257,16 @@ template <class Subject> class trial {
     }
 
     static void note(void* self, const wire_byte& b) { static_cast<trial*>(self)->note(b); }
-    void note(const wire_byte& b) {
-        // A frame ends where the direction changes, or a pause follows.
-        const bool goes_on =
-            kept_ != 0 && newest().is_request == b.is_from_client && b.at_us - newest().at_us < 1'700;
-        if (!goes_on) {
-            frames_[next_] = {};
-            frames_[next_].is_request = b.is_from_client;
-            next_ = (next_ + 1) % frames_.size();
-            kept_ = kept_ < frames_.size() ? kept_ + 1 : kept_;
-        }
-        traced_frame& f = newest();
-        f.at_us = b.at_us;
-        if (f.size < sizeof f.data) f.data[f.size] = b.value;
-        if (f.size < 255) ++f.size;
-        if (!b.is_from_client) return;
-        if (f.size == 2 && modbus::is_write(b.value)) ++writes_;
-        known_ = requests() < sums_.size() ? requests() : static_cast<unsigned>(sums_.size());
-        if (requests() == 0 || requests() > sums_.size()) return;
-        std::uint32_t& sum = sums_[requests() - 1];
-        sum = f.size == 1 ? b.value : sum * 31 + b.value;
-    }
-    traced_frame& newest() { return frames_[(next_ + frames_.size() - 1) % frames_.size()]; }
+    void note(const wire_byte& b) { log_.note(b, requests()); }
 
     planned_mishap planned_[2]{};
     std::array<bool, sizeof all_mishaps / sizeof *all_mishaps + 1> has_happened_{};
-    std::array<std::uint32_t, 400> sums_{}; // of the requests
-    unsigned known_ = 0;                    // so many of them
+    wire_log log_{};
     bool was_turning_ = false;
     bool is_stop_refused_ = false;
     std::uint32_t starts_ = 0;
-    std::array<traced_frame, 40> frames_{};
-    std::array<traced_frame, 40> ordered_{};
-    std::size_t next_ = 0;
-    std::size_t kept_ = 0;
     std::uint32_t first_request_ = 0;
     std::uint32_t struck_ = 0; // frames with a fault
-    unsigned writes_ = 0;
     unsigned energised_ = 0;
     std::int64_t begun_at_ = 0;
     std::int64_t least_ = 0;

@@ -1,0 +1,75 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// Examines subject, model and simulated drive before sim/conformance.hpp plays them: what is wrong with all runs is reported
+// once, in a sentence, and nothing is played.
+//
+//     // A subject whose `restart` was forgotten:
+//     struct forgotten { static void restart(int&) {} };
+#pragma once
+
+#include <cstdint>
+
+#include <servobus/control/common_commands.hpp>
+#include <servobus/control/states.hpp>
+#include <servobus/core/status.hpp>
+#include <servobus/core/time.hpp>
+#include <servobus/sim/conformance/expected.hpp>
+#include <servobus/sim/conformance/player.hpp>
+
+namespace servobus::sim {
+
+template <class Subject> class conformance_examination : protected conformance_player<Subject> {
+    using base = conformance_player<Subject>;
+    using base::broken;
+    using typename base::trial_type;
+
+  protected:
+    using base::base;
+
+    /// True if runs under this interpretation are worth while.
+    bool is_fit(unsigned reading) {
+        if (base::is_enough()) return false;
+        if (examined_ == reading + 1) return is_fit_;
+        examined_ = reading + 1;
+        const std::uint32_t before = base::findings();
+        examine(reading);
+        is_fit_ = base::findings() == before;
+        base::played_.findings = base::findings();
+        return is_fit_;
+    }
+    /// The same for runs of which only few are without a mishap.
+    bool is_fit_for_pairs(unsigned reading) {
+        if (!is_fit(reading)) return false;
+        const std::uint32_t before = base::findings();
+        for (unsigned c = 0; c < base::cases(); ++c) (void)base::play(c, reading, {}, {});
+        is_fit_ = base::findings() == before;
+        return is_fit_;
+    }
+
+  private:
+    void examine(unsigned reading) {
+        trial_type t{reading};
+        base::begin(t, reading, {}, {});
+        if (!base::take_over(t)) return;
+        if (!Subject::can_be_done(reading, "enable") || !t.run(enable{})) return;
+        base::now_.command = "restart";
+        t.heal();
+        Subject::restart(t.machine());
+        const bool is_same = t.is_energised();
+        t.live(milliseconds(1'500));
+        if (Subject::shows(reading).restart == restart_shows::never) return;
+        if (t.drive().state() != drive_state::enabled) return;
+        if (is_same) {
+            broken("kit", "restart(machine) changes nothing that shows: it does not switch the drive off and "
+                          "on, or no witness changes");
+        } else {
+            broken("G21", "a restart is not seen, and the subject says that it shows");
+        }
+    }
+
+    unsigned examined_ = 0; // the interpretation, from 1
+    bool is_fit_ = false;
+};
+
+} // namespace servobus::sim

@@ -1,0 +1,68 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// The interpretations of each manual for the judges of sim/conformance.hpp, by number: 0 is the simulated drive's default,
+// then follows each position of each switch alone, then choices that contain every pair of positions.
+#pragma once
+
+#include <vector>
+
+#include <servobus/sim/yako/options.hpp>
+
+#include <tests/support/c630s_readings.hpp>
+#include <tests/support/readings.hpp>
+#include <tests/support/yako_readings.hpp>
+#include <tests/support/zlac8015d_readings.hpp>
+
+namespace subjects {
+
+using readings::choice;
+
+/// `Manual` has the switches of a simulated drive and how many interpretations follow from them: each alone, and all.
+template <class Manual> struct interpretations {
+    static constexpr unsigned count =
+        Manual::alone; // for the runs that the judges themselves spread over all
+    static const std::vector<choice>& choices() {
+        static const std::vector<choice> found = readings::all_pairs(Manual::switches());
+        return found;
+    }
+    static auto options(unsigned reading) { return Manual::options_of(choices()[reading]); }
+    static unsigned alone() {
+        unsigned sum = 1;
+        for (const unsigned positions : Manual::switches()) sum += positions - 1;
+        return sum;
+    }
+};
+
+struct zlac8015d_manual {
+    static constexpr unsigned alone = 12;
+    static std::vector<unsigned> switches() { return zlac8015d_readings::sizes; }
+    static auto options_of(const choice& c) { return zlac8015d_readings::options_of(c); }
+};
+
+struct yako_manual {
+    static constexpr unsigned alone = 24;
+    /// Those of the safety scenes, and three that requests of the judges reach: a damaged request, a read of a command
+    /// register, and a restart after a restored EEPROM.
+    static std::vector<unsigned> switches() {
+        std::vector<unsigned> all = readings::yako_switches;
+        all.insert(all.end(), 3, 2u);
+        return all;
+    }
+    static auto options_of(const choice& c) {
+        servobus::sim::yako_options o = readings::yako_options_of(c);
+        const std::size_t own = readings::yako_switches.size();
+        o.answers_bad_crc = c[own] != 0;
+        o.commands_read_back = c[own + 1] != 0;
+        o.rescales_feedback_only = c[own + 2] != 0;
+        return o;
+    }
+};
+
+struct c630s_manual {
+    static constexpr unsigned alone = 23;
+    static std::vector<unsigned> switches() { return c630s_readings::switches(); }
+    static auto options_of(const choice& c) { return c630s_readings::options_of(c); }
+};
+
+} // namespace subjects
