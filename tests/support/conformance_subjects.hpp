@@ -16,6 +16,8 @@
 #include <servobus/sim/yako.hpp>
 #include <servobus/sim/zlac8015d.hpp>
 
+#include <tests/support/seen_machines.hpp>
+
 namespace subjects {
 
 using namespace servobus;
@@ -33,7 +35,7 @@ template <class Machine> void write_by_hand(Machine& m, std::uint16_t address, s
     (void)m.write(address, words_view{word});
 }
 
-template <class Readings = default_reading<sim::zlac8015d_options>> struct wheels {
+template <class Readings = default_reading<sim::zlac8015d_options>> struct wheels : seen::wheels {
     using options = sim::zlac8015d_options;
     struct machine : sim::zlac8015d {
         explicit machine(const options& read) : sim::zlac8015d{read}, read_as{read} {}
@@ -73,18 +75,6 @@ template <class Readings = default_reading<sim::zlac8015d_options>> struct wheel
         }
         return static_cast<bool>(d.run(init{}));
     }
-    static bool is_energised(const machine& m) { return m.enabled(); }
-    static bool is_turning(const machine& m) {
-        const auto turns = [](std::int64_t micro) { return micro > 2'100'000 || micro < -2'100'000; };
-        return turns(m.left().speed) || turns(m.right().speed);
-    }
-    static std::int64_t place(const machine& m) { return m.left().position; }
-    static std::uint32_t starts(const machine& m) { return m.starts(); }
-    static void restart(machine& m) { m.power_cycle(); }
-    static void have_fault(machine& m) { m.raise(zlac8015d::fault::overcurrent, zlac8015d::fault::none); }
-    static void end_fault(machine& m) { m.end_faults(); }
-    static void press_stop(machine& m) { m.set_input(true, false); }
-    static void release_stop(machine& m) { m.set_input(false, false); }
     static void write_by_another(machine& m) { write_by_hand(m, 0x2080, 700); }
 
     template <class Each> static void commands(const Each& each) {
@@ -109,7 +99,7 @@ template <class Readings = default_reading<sim::zlac8015d_options>> struct wheel
 
 /// `Machine` is the simulated drive of one of the two variants.
 template <class Machine, template <class> class Drive, class Readings = default_reading<sim::yako_options>>
-struct axis {
+struct axis : seen::stepper {
     using machine = Machine;
     template <class Line> using drive = Drive<Line>;
 
@@ -132,15 +122,6 @@ struct axis {
         write_by_hand(m, 0x0044, static_cast<std::uint16_t>(yako::input_function::stop));
         return static_cast<bool>(d.run(init{}));
     }
-    static bool is_energised(const machine& m) { return m.enabled(); }
-    static bool is_turning(const machine& m) { return m.view().is_moving; }
-    static std::int64_t place(const machine& m) { return m.view().shaft; }
-    static std::uint32_t starts(const machine& m) { return m.starts(); }
-    static void restart(machine& m) { m.power_cycle(); }
-    static void have_fault(machine& m) { m.raise_alarm(1); }
-    static void end_fault(machine& m) { m.end_alarm(); }
-    static void press_stop(machine& m) { m.set_input(3, true); }
-    static void release_stop(machine& m) { m.set_input(3, false); }
     static void write_by_another(machine& m) { write_by_hand(m, 0x0021, 300); }
 
     template <class Each> static void commands(const Each& each) {
@@ -160,7 +141,7 @@ using closed_axis = axis<sim::yako_closed_loop, yako::closed_loop::drive, Readin
 template <class Readings = default_reading<sim::yako_options>>
 using open_axis = axis<sim::yako_open_loop, yako::open_loop::drive, Readings>;
 
-template <class Readings = default_reading<sim::c630s_options>> struct servo {
+template <class Readings = default_reading<sim::c630s_options>> struct servo : seen::servo {
     struct machine : sim::c630s {
         explicit machine(const sim::c630s_options& read) : sim::c630s{read}, read_as{read} {}
         sim::c630s_options read_as;
@@ -201,16 +182,6 @@ template <class Readings = default_reading<sim::c630s_options>> struct servo {
         return static_cast<bool>(d.run(init{})) && d.state() == drive_state::disabled &&
                d.run(c630s::segment{1, 3000 * c630s::reference_unit, 300 * r_per_min});
     }
-    static bool is_energised(const machine& m) { return m.enabled(); }
-    static bool is_turning(const machine& m) { return !m.stands_still(); }
-    /// In reference units, by the factory's gear: 10000 a turn of 2^17 counts.
-    static std::int64_t place(const machine& m) { return m.position() * 10'000 / 131'072; }
-    static std::uint32_t starts(const machine& m) { return m.starts(); }
-    static void restart(machine& m) { m.power_cycle(); }
-    static void have_fault(machine& m) { m.raise(0x620, true); }
-    static void end_fault(machine& m) { m.end_causes(); }
-    static void press_stop(machine& m) { m.set_input(6, true); } // emergency stop, from the factory
-    static void release_stop(machine& m) { m.set_input(6, false); }
     static void write_by_another(machine& m) { write_by_hand(m, 0x0605, 700); }
 
     template <class Each> static void commands(const Each& each) {
