@@ -31,16 +31,19 @@ template <std::size_t N> struct stop_word_set {
     }
 };
 
+namespace detail {
+template <class Value> consteval std::uint16_t stop_word(Value value) {
+    if constexpr (std::is_integral_v<Value>) {
+        return static_cast<std::uint16_t>(value);
+    } else {
+        return static_cast<std::uint16_t>(to_bits(value));
+    }
+}
+} // namespace detail
+
 /// Codes and flags of a register, or plain words: `words_that_stop(0)` for a target of which zero is standstill.
 template <class... Values> consteval stop_word_set<sizeof...(Values)> words_that_stop(Values... values) {
-    constexpr auto bits_of = [](auto value) {
-        if constexpr (std::is_integral_v<decltype(value)>) {
-            return static_cast<std::uint16_t>(value);
-        } else {
-            return static_cast<std::uint16_t>(to_bits(value));
-        }
-    };
-    return {{bits_of(values)...}};
+    return {{detail::stop_word(values)...}};
 }
 
 /// The words that stop the motor when they are written to `R`. There are none before it is specialised.
