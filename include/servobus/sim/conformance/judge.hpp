@@ -94,7 +94,9 @@ template <class Subject> class conformance_judge {
                               (!shows.restart_in_a_change && t.has_restarted_in_a_change());
         if (!is_foreign) {
             const bool by_level = Subject::energises_by_level && t.has_restarted();
-            const unsigned allowed = is_enable || may_energise_by_reset || by_level ? 1u : 0u;
+            const bool by_command = is_enable || may_energise_by_reset;
+            // An enable, then a restart, then a halt that energises as well.
+            const unsigned allowed = (by_command ? 1u : 0u) + (by_level ? 1u : 0u);
             if (t.energised() > allowed) broken("S1", "the motor was energised, which was not commanded");
             if (by_level && !is_enable && !is_blind && t.energised() != 0 && t.is_energised())
                 broken("S5", "a stop has energised a drive that had restarted, and it stays energised");
