@@ -12,6 +12,7 @@
 
 #include <servobus/control/common_commands.hpp>
 #include <servobus/control/states.hpp>
+#include <servobus/control/step.hpp>
 #include <servobus/core/status.hpp>
 #include <servobus/core/time.hpp>
 #include <servobus/sim/conformance/expected.hpp>
@@ -52,6 +53,7 @@ template <class Subject> class conformance_examination : protected conformance_p
         trial_type t{reading};
         base::begin(t, reading, {}, {});
         if (!base::take_over(t)) return;
+        examine_image(t);
         if (!Subject::can_be_done(reading, "enable") || !t.run(enable{})) return;
         base::now_.command = "restart";
         t.heal();
@@ -65,6 +67,20 @@ template <class Subject> class conformance_examination : protected conformance_p
                           "on, or no witness changes");
         } else {
             broken("G21", "a restart is not seen, and the subject says that it shows");
+        }
+    }
+
+    // The facade keeps a frame only if the image has all of it; the author's feedback would read beyond the image.
+    void examine_image(trial_type& t) {
+        if constexpr (requires { detail::model_of_facade(t.drive()); }) {
+            using model = decltype(detail::model_of_facade(t.drive()));
+            const unsigned begin = model::image.address, end = begin + model::image.words;
+            for (const step& s : commands::prepared(read_feedback{}, t.drive().cached()).steps) {
+                const unsigned first = s.address, last = first + s.count - 1u;
+                if (s.what != step::kind::fetch || first >= end || last < begin) continue;
+                if (first < begin || last >= end)
+                    broken("kit", "read_feedback reads registers beyond the `image` of the model");
+            }
         }
     }
 

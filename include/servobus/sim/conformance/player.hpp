@@ -12,6 +12,7 @@
 #include <type_traits>
 
 #include <servobus/control/common_commands.hpp>
+#include <servobus/control/facade.hpp>
 #include <servobus/control/routine_status.hpp>
 #include <servobus/control/states.hpp>
 #include <servobus/core/status.hpp>
@@ -23,6 +24,11 @@
 #include <servobus/sim/conformance/trial.hpp>
 
 namespace servobus::sim {
+
+namespace detail {
+// The model of a facade.
+template <class Model, class Line> Model model_of_facade(const facade<Model, Line>&);
+} // namespace detail
 
 /// What was played.
 struct played {
@@ -97,6 +103,7 @@ template <class Subject> class conformance_player : protected conformance_judge<
     unsigned play(unsigned which, unsigned reading, planned_mishap first, planned_mishap second) {
         base::requests_ = 0;
         if (base::is_enough()) return 0;
+        if (which == reset_fault && first.what == mishap::none) judge_reset_in_vain(reading);
         trial_type t{reading};
         base::begin(t, reading, first, second);
         ++played_.runs;
@@ -214,6 +221,31 @@ template <class Subject> class conformance_player : protected conformance_judge<
         });
         if (t.requests() != 0) broken("G21", "a refused command has sent something");
     }
+    // A fault whose cause has not ended: its reset must not be reported done while the feedback shows the fault.
+    void judge_reset_in_vain(unsigned reading) {
+        trial_type t{reading};
+        base::begin(t, reading, {}, {});
+        now_.command = "fault_reset";
+        if (!Subject::take_over(t.drive(), t.machine()) || !t.run(enable{})) return;
+        Subject::have_fault(t.machine());
+        t.live(milliseconds(300));
+        (void)t.finish(); // the stop that answers the fault
+        if (!t.run(fault_reset{}) || !t.run(read_feedback{})) return;
+        if (t.drive().state() == drive_state::faulted)
+            broken("G35", "a fault reset is reported done, and the fault remains");
+    }
+    // Without a kind of motion the command is neither supervised, nor is `preempt` called when it is replaced.
+    template <class Command> void judge_kind(trial_type& t, const Command& wanted) {
+        if constexpr (requires {
+                          detail::model_of_facade(t.drive());
+                          wanted.plan(t.drive().cached());
+                      }) {
+            using model = decltype(detail::model_of_facade(t.drive()));
+            const command_kind kind = model::kinds[wanted.plan(t.drive().cached()).then];
+            if (kind != command_kind::endless_motion && kind != command_kind::move)
+                broken("kit", "the command moves the motor, and its effect is of no kind of motion");
+        }
+    }
     bool can_be_done(const char* command) const { return Subject::can_be_done(now_.reading, command); }
     // False if the drive has no such command: what is played from there is left out.
     bool turn(trial_type& t) {
@@ -249,6 +281,7 @@ template <class Subject> class conformance_player : protected conformance_judge<
         t.watch(now_.first, now_.second);
         was_enabled_ = t.drive().state() == drive_state::enabled;
         const std::int64_t goal = does.goal_from(t.place());
+        if (does.is_motion() && base::is_undisturbed() && can_be_done(name)) judge_kind(t, wanted);
         const errc refused = t.drive().begin(wanted);
         if (refused != errc::ok) {
             if (!can_be_done(name)) return;
