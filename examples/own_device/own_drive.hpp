@@ -221,7 +221,8 @@ class model {
                                                    .has_homing = false,
                                                    .keeps_single_parameters = false};
     /// The feedback: load, position, status, fault, in one frame.
-    static constexpr servobus::register_block image{load.address, 5};
+    static constexpr servobus::register_block image{routines::feedback[0].address,
+                                                    routines::feedback[0].count};
     static constexpr settings unknown{};
     static constexpr drive_state enabled = drive_state::enabled;
     static constexpr drive_state faulted = drive_state::faulted;

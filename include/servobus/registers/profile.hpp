@@ -49,9 +49,9 @@ enum class character_format : std::uint8_t { n81, n82, e81, o81 };
 /// The properties of a device. A device class has them as `static constexpr profile facts`.
 struct profile {
     const char* name;
-    std::uint16_t max_read = 125;  ///< registers in one read
-    std::uint16_t max_write = 123; ///< registers in one write
-    std::uint8_t lowest_address = 1;
+    std::uint16_t max_read = 125;    ///< registers in one read
+    std::uint16_t max_write = 123;   ///< registers in one write
+    std::uint8_t lowest_address = 1; ///< of a node
     std::uint8_t highest_address = 247;
     servobus::word_order word_order =
         word_order::high_first; ///< of 32-bit values; `unknown` if the drive can switch it

@@ -3,7 +3,7 @@
 //
 // Judges for every drive: plays each command of a facade against its simulated drive on a hostile line, with every
 // mishap at every request, and checks from outside what the library promises. The author of a drive writes a subject,
-// which says what the simulated drive does and how it is seen; device/README.md has one of twenty lines.
+// which says what the simulated drive does and how it is seen; examples/own_device/own_subject.hpp has one.
 //
 //     template <class Subject> bool is_right(void (*print)(void*, const sim::finding&)) {
 //         sim::conformance<Subject> kit{print};
