@@ -36,6 +36,12 @@ template <class Subject> class conformance_judge {
     }
     std::uint32_t findings() const { return findings_; }
     bool is_undisturbed() const { return now_.first.what == mishap::none; }
+    unsigned planned_restarts() const {
+        const auto is_restart = [](mishap m) {
+            return m == mishap::restart_before || m == mishap::restart_after;
+        };
+        return (is_restart(now_.first.what) ? 1u : 0u) + (is_restart(now_.second.what) ? 1u : 0u);
+    }
     bool is_one_frame_lost() const {
         return now_.first.what >= mishap::request_lost && now_.first.what <= mishap::response_damaged &&
                now_.second.what == mishap::none;
@@ -95,8 +101,8 @@ template <class Subject> class conformance_judge {
         if (!is_foreign) {
             const bool by_level = Subject::energises_by_level && t.has_restarted();
             const bool by_command = is_enable || may_energise_by_reset;
-            // An enable, then a restart, then a halt that energises as well.
-            const unsigned allowed = (by_command ? 1u : 0u) + (by_level ? 1u : 0u);
+            // After each restart a halt may energise as well, also after an enable.
+            const unsigned allowed = (by_command ? 1u : 0u) + (by_level ? planned_restarts() : 0u);
             if (t.energised() > allowed) broken("S1", "the motor was energised, which was not commanded");
             if (by_level && !is_enable && !is_blind && t.energised() != 0 && t.is_energised())
                 broken("S5", "a stop has energised a drive that had restarted, and it stays energised");
