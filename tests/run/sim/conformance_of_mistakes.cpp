@@ -104,6 +104,18 @@ template <winch::effect Effect> struct leaves_out : is_of_kind_other<Effect> {
         return c.then == Effect ? errc::ok : winch::model::learn(c, words, known);
     }
 };
+struct move_is_no_motion : winch::model {
+    struct own_kinds {
+        constexpr command_kind operator[](winch::effect e) const {
+            return e == winch::effect::moved ? command_kind::other : winch::model::kinds[e];
+        }
+        constexpr bool is_complete() const { return true; }
+    };
+    static constexpr own_kinds kinds{};
+};
+struct short_image : winch::model {
+    static constexpr register_block image{winch::model::image.address, winch::model::image.words - 1};
+};
 struct stays_energised : winch::model {
     static constexpr bool stops_after_restart = false;
 };
@@ -165,6 +177,15 @@ constexpr prepared_command plan(halt, const once_settings& known) {
 }
 struct stops_once : planned_otherwise<stops_once, once_settings> {};
 
+constexpr step clear_only[] = {steps::write<winch::control_word>(winch::control_code::clear_fault)};
+struct trusting_settings : winch::cached_settings {};
+constexpr prepared_command plan(fault_reset, const trusting_settings& known) {
+    return {.steps = clear_only,
+            .then = winch::effect::disabled,
+            .refusal = known.state == drive_state::needs_init ? errc::needs_init : errc::ok};
+}
+struct resets_in_vain : planned_otherwise<resets_in_vain, trusting_settings> {};
+
 constexpr step energise_only[] = {steps::write<winch::control_word>(winch::control_code::hold)};
 struct bold_settings : winch::cached_settings {};
 constexpr prepared_command plan(init, const bold_settings&) {
@@ -198,6 +219,17 @@ TEST_CASE("feedback is accepted before init") { CHECK(has(broken_by<reads_before
 TEST_CASE("a halt that stops nothing") { CHECK(has(broken_by<halts_nothing>(), "G26")); }
 TEST_CASE("a stop that is not repeated") { CHECK(has(broken_by<stops_once>(), "G26")); }
 TEST_CASE("a restarted drive that stays energised") { CHECK(has(broken_by<stays_energised>(), "S5")); }
+TEST_CASE("a move that is no motion for the facade") { CHECK(has(broken_by<move_is_no_motion>(), "kit")); }
+TEST_CASE("an image without the last register of the feedback") {
+    CHECK(has(broken_by<short_image>(), "kit"));
+}
+TEST_CASE("a fault reset that does not look") { CHECK(has(broken_by<resets_in_vain>(), "G35")); }
+TEST_CASE("a restart, and a halt that energises by its level, during an enable break nothing") {
+    std::string found;
+    sim::conformance<winch::subject> kit{&keep_first, &found};
+    CHECK(kit.from(hex("03 00 08 00 08 0F")).runs == 1);
+    CHECK(found == "");
+}
 TEST_CASE("an init that energises") { CHECK_FALSE(broken_by<init_energises>().empty()); }
 
 } // namespace conformance_of_mistakes_tests
