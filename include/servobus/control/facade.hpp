@@ -18,6 +18,7 @@
 #include <servobus/control/common_commands.hpp>
 #include <servobus/control/detail/drive_link.hpp>
 #include <servobus/control/detail/held_reading.hpp>
+#include <servobus/control/detail/optional_functions.hpp>
 #include <servobus/control/detail/polling.hpp>
 #include <servobus/control/detail/routine_run.hpp>
 #include <servobus/control/detail/supervisors.hpp>
@@ -28,25 +29,6 @@
 #include <servobus/line/line.hpp>
 
 namespace servobus {
-
-namespace detail {
-// False for an optional function of a model that has a form in which the facade does not call it.
-template <class M, class Command = typename M::prepared_command, class Settings = typename M::settings>
-struct hooks {
-    static constexpr bool admit = !requires { &M::admit; }
-    || requires(M m, Command c, response_limits limits, bus_gaps gaps) { m.admit(c, limits, gaps); };
-    static constexpr bool fail = !requires { &M::fail; }
-    || requires(M m, Command c, const routine& steps, const routine_status& r, Settings s,
-                duration watchdog) {
-        m.fail(c, steps, r, true, s, watchdog);
-    };
-    static constexpr bool permit = !requires { &M::permit; }
-    || requires(M m, Command c, const std::uint16_t* image, Settings s) { m.permit(c, image, s); }
-    || requires(M m, Command c, slice<const std::uint16_t> words, Settings s) { m.permit(c, words, s); };
-    static constexpr bool watchdog = !requires { &M::watchdog; }
-    || requires(const Settings& s) { M::watchdog(s); };
-};
-} // namespace detail
 
 /// A facade of one drive on `Line`; nothing else sends to the drive. `Model` describes it (device/README.md).
 template <class Model, class Line> class facade {
@@ -824,11 +806,13 @@ template <class Model, class Line> class facade {
     }();
     static_assert(Model::kinds.is_complete(),
                   "an effect has no kind: each is listed in the `kinds` of the model");
-    static_assert(detail::hooks<Model>::admit, "`admit` of the model has another form than device/README.md");
-    static_assert(detail::hooks<Model>::fail, "`fail` of the model has another form than device/README.md");
-    static_assert(detail::hooks<Model>::permit,
+    static_assert(detail::optional_functions<Model>::admit(),
+                  "`admit` of the model has another form than device/README.md");
+    static_assert(detail::optional_functions<Model>::fail(),
+                  "`fail` of the model has another form than device/README.md");
+    static_assert(detail::optional_functions<Model>::permit(),
                   "`permit` of the model has another form than device/README.md");
-    static_assert(detail::hooks<Model>::watchdog,
+    static_assert(detail::optional_functions<Model>::watchdog(),
                   "`watchdog` of the model has another form than device/README.md");
     static_assert(Model::image.words != 0, "the feedback of a model is at least one register");
     static_assert(Model::image.words <= steps::longest, "the feedback of a model is at most 11 registers");

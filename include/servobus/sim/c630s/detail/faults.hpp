@@ -53,7 +53,7 @@ class c630s_alarms {
     constexpr bool set(const c630s_record& what) {
         const std::size_t n = number(what.code);
         if (n == count || is_set(n)) return false;
-        present_ |= bit(n);
+        present_ |= mask_of(n);
         for (std::size_t i = depth - 1; i > 0; --i) records_[i] = records_[i - 1];
         records_[0] = what;
         return true;
@@ -62,7 +62,7 @@ class c630s_alarms {
     constexpr void end(std::uint16_t code) {
         if (present_ == 0) return;
         const std::size_t n = number(code);
-        if (n < count) present_ &= ~bit(n);
+        if (n < count) present_ &= ~mask_of(n);
     }
     /// Resets the alarms that can be reset; faults only while S-ON is off. `persists(code)` is true if the
     /// cause of an alarm is still present.
@@ -71,13 +71,13 @@ class c630s_alarms {
             const coolmay::alarm& a = coolmay::alarms[n];
             const bool is_fault = a.kind == coolmay::alarm_class::fault;
             if (!a.is_resettable || (is_fault && is_servo_on_given) || persists(a.code)) continue;
-            present_ &= ~bit(n);
+            present_ &= ~mask_of(n);
         }
     }
     /// Power on: clears the alarms whose cause has ended.
     template <class F> constexpr void switch_on(const F& persists) {
         for (std::size_t n = 0; n < count; ++n) {
-            if (!persists(coolmay::alarms[n].code)) present_ &= ~bit(n);
+            if (!persists(coolmay::alarms[n].code)) present_ &= ~mask_of(n);
         }
     }
 
@@ -107,8 +107,8 @@ class c630s_alarms {
         while (n < count && coolmay::alarms[n].code != code) ++n;
         return n;
     }
-    constexpr bool is_set(std::size_t n) const { return (present_ & bit(n)) != 0; }
-    static constexpr std::uint64_t bit(std::size_t n) { return std::uint64_t{1} << n; }
+    constexpr bool is_set(std::size_t n) const { return (present_ & mask_of(n)) != 0; }
+    static constexpr std::uint64_t mask_of(std::size_t n) { return std::uint64_t{1} << n; }
     static constexpr std::uint64_t faults = c630s_alarms_of(coolmay::alarm_class::fault);
     static constexpr std::uint64_t warnings = c630s_alarms_of(coolmay::alarm_class::warning);
     constexpr std::size_t place_of_current() const {
