@@ -20,7 +20,7 @@ namespace reference {
 template <class T> using list = std::vector<T, fuzz::allocator<T>>;
 using byte_list = list<std::uint8_t>;
 
-/// What CRC-16/MODBUS, bit by bit, makes of each byte.
+/// A table of CRC-16/MODBUS by byte, computed bit by bit.
 inline constexpr std::array<std::uint16_t, 256> crc_of_byte = [] {
     std::array<std::uint16_t, 256> all{};
     for (unsigned byte = 0; byte < 256; ++byte) {

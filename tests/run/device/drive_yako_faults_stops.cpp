@@ -186,14 +186,19 @@ TEST_CASE("G20, S4: the command timeout also stops an axis whose cached state is
     CHECK_FALSE(a.is_moving());
 }
 
-TEST_CASE("a homing whose outcome is unknown is stopped") {
-    closed_axis a;
+/// Begins a homing, which is under way and acknowledged afterwards.
+template <class Axis> void home_until_acknowledged(Axis& a) {
     a.model.attach(simulated::yako_slide());
     take(a);
     REQUIRE(a.drive.begin(closed_loop::home{homing::home_24}) == errc::ok);
     while (!a.is_moving()) a.turn();
     const std::uint64_t acknowledged = a.wire.time_us() + 50'000;
     while (a.wire.time_us() < acknowledged) a.turn();
+}
+
+TEST_CASE("a homing whose outcome is unknown is stopped") {
+    closed_axis a;
+    home_until_acknowledged(a);
     a.wire.cut_for(milliseconds(500));
     a.finish();
     CHECK(a.drive.last().outcome() == outcome::unknown);
@@ -206,12 +211,7 @@ TEST_CASE("G20: a homing is stopped whose state the drive refuses to show after 
     using refusing_axis =
         simulated::driven_yako<simulated::refusing<sim::yako_closed_loop>, yako::closed_loop::drive>;
     refusing_axis a;
-    a.model.attach(simulated::yako_slide());
-    take(a);
-    REQUIRE(a.drive.begin(closed_loop::home{homing::home_24}) == errc::ok);
-    while (!a.is_moving()) a.turn();
-    const std::uint64_t acknowledged = a.wire.time_us() + 50'000;
-    while (a.wire.time_us() < acknowledged) a.turn();
+    home_until_acknowledged(a);
     a.model.refuses = true;
     while (a.model.refused == 0) a.turn();
     a.model.refuses = false;

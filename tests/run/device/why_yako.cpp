@@ -68,7 +68,7 @@ struct bench {
     // 0020h..0023h after the rules of the command.
     template <class Command>
     void judge_profile(const Command& c, const motion_profile& p, std::initializer_list<rule> before,
-                       std::initializer_list<rule> behind = {}) {
+                       std::initializer_list<rule> after = {}) {
         std::vector<rule> all{before};
         if (p.is_stored()) {
             all.push_back(rule::that(-1, errc::wrong_state, known.has_profile));
@@ -80,7 +80,7 @@ struct bench {
             all.push_back(rule::range(0x0022, p.deceleration().count(), 0, 2000));
             all.insert(all.end(), top.r, top.r + 3);
         }
-        all.insert(all.end(), behind);
+        all.insert(all.end(), after);
         of.judge(c, known, all);
     }
 };

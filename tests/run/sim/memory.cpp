@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSL-1.0
 //
 // The register memory for simulated drives (sim/memory.hpp), as the author of one uses it: a pump with a setting that is
-// kept, a target that is not, and a status that nobody writes. It is a register store of a station.
+// kept, a target that is not, and a status that is never written. It is a register store of a station.
 #include <cstddef>
 #include <cstdint>
 #include <span>

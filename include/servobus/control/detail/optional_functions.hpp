@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Whether the optional functions of a drive's model have the form in which the facade calls them. One that has another
-// form would never be called. control/facade.hpp asks it.
+// Checks that the optional functions of a drive's model have the form in which the facade calls them: one of another
+// form would never be called. control/facade.hpp includes it.
 #pragma once
 
 #include <cstdint>

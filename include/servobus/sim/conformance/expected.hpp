@@ -16,7 +16,7 @@ namespace servobus::sim {
 /// When a register of the drive tells that it has restarted.
 enum class restart_shows : std::uint8_t { never, while_enabled, always };
 
-/// What can be known of a drive under an interpretation of its manual.
+/// Describes how much can be known of a drive under an interpretation of its manual.
 struct what_shows {
     restart_shows restart = restart_shows::always;
     /// False: one is hidden that is over between the read of a register and the write that sets it again.

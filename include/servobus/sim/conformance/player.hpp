@@ -30,7 +30,7 @@ namespace detail {
 template <class Model, class Line> Model model_of_facade(const facade<Model, Line>&);
 } // namespace detail
 
-/// What was played.
+/// Counts the runs so far.
 struct played {
     std::uint32_t runs = 0;
     std::uint32_t findings = 0;

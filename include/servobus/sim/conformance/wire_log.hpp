@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// What one run of a command sends: the last frames on the wire for a finding, and which requests are like others.
+// Records what one run of a command sends: the last frames on the wire for a finding, and which requests are like others.
 // sim/conformance/trial.hpp notes each byte.
 //
 //     sim::wire_log log;
