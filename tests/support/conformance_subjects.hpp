@@ -97,9 +97,11 @@ template <class Readings = default_reading<sim::zlac8015d_options>> struct wheel
     }
 };
 
-/// `Machine` is the simulated drive of one of the two variants.
-template <class Machine, template <class> class Drive, class Readings = default_reading<sim::yako_options>>
+/// `Machine` is the simulated drive of one of the two variants, `Drive` its facade, `Homing` its command.
+template <class Machine, template <class> class Drive, class Homing,
+          class Readings = default_reading<sim::yako_options>>
 struct axis : seen::stepper {
+    using homing = Homing;
     using machine = Machine;
     template <class Line> using drive = Drive<Line>;
 
@@ -109,6 +111,9 @@ struct axis : seen::stepper {
     static constexpr std::int64_t tolerance = 4;
     static constexpr bool energises_by_reset = true;
     static constexpr bool energises_by_level = false;
+    // In thousandths of a turn, which are pulses by the factory's resolution.
+    static constexpr std::int64_t home = 6'000;
+
     static sim::what_shows shows(unsigned reading) {
         const sim::yako_options read = Readings::options(reading);
         const bool is_hidden = read.kept == sim::yako_kept::written;
@@ -119,8 +124,9 @@ struct axis : seen::stepper {
 
     static machine make(unsigned reading) { return machine{Readings::options(reading)}; }
     template <class D> static bool take_over(D& d, machine& m) {
+        m.attach({.home_from = home, .home_to = 2 * home});
         write_by_hand(m, 0x0044, static_cast<std::uint16_t>(yako::input_function::stop));
-        return static_cast<bool>(d.run(init{}));
+        return d.run(init{}) && d.run(yako::set_homing_profile{120 * r_per_min, 30 * r_per_min});
     }
     static void write_by_another(machine& m) { write_by_hand(m, 0x0021, 300); }
 
@@ -129,6 +135,7 @@ struct axis : seen::stepper {
         each("velocity", enable{}, yako::velocity{60 * r_per_min}, sim::turns());
         each("move_by", enable{}, yako::move_by{3000 * pulse, brisk}, sim::moves_by(3000));
         each("bounded_jog", enable{}, yako::bounded_jog{-2000 * pulse, brisk}, sim::moves_by(-2000));
+        each("home", enable{}, homing{yako::homing::home_24}, sim::homes_at(home));
         each("set_profile", enable{}, yako::set_profile{brisk}, sim::changes_nothing());
         each("declare_position", enable{}, yako::declare_position{500 * pulse}, sim::hides_a_restart());
         each("clear_position", disable{}, yako::clear_position{}, sim::changes_nothing());
@@ -137,9 +144,9 @@ struct axis : seen::stepper {
     }
 };
 template <class Readings = default_reading<sim::yako_options>>
-using closed_axis = axis<sim::yako_closed_loop, yako::closed_loop::drive, Readings>;
+using closed_axis = axis<sim::yako_closed_loop, yako::closed_loop::drive, yako::closed_loop::home, Readings>;
 template <class Readings = default_reading<sim::yako_options>>
-using open_axis = axis<sim::yako_open_loop, yako::open_loop::drive, Readings>;
+using open_axis = axis<sim::yako_open_loop, yako::open_loop::drive, yako::open_loop::home, Readings>;
 
 template <class Readings = default_reading<sim::c630s_options>> struct servo : seen::servo {
     struct machine : sim::c630s {
@@ -178,8 +185,16 @@ template <class Readings = default_reading<sim::c630s_options>> struct servo : s
         if (m.read_as.brake == sim::c630s_brake::wired_only &&
             !d.run(keep<c630s::do2_function>{output_function::brake}))
             return false;
+        m.attach({.home_from = 15 * 131'072,
+                  .home_to = 16 * 131'072,
+                  .negative_limit = -9'000'000,
+                  .positive_limit = 9'000'000});
         m.power_cycle();
-        return static_cast<bool>(d.run(init{})) && d.state() == drive_state::disabled &&
+        if (!d.run(init{})) return false;
+        if (d.state() == drive_state::faulted && !d.run(fault_reset{})) return false; // a restart may keep it
+        return d.state() == drive_state::disabled &&
+               d.run(c630s::homing_by{c630s::homing_mode::forward_home_switch, 300 * r_per_min,
+                                      60 * r_per_min, 100 * millisecond, 30'000}) &&
                d.run(c630s::segment{1, 3000 * c630s::reference_unit, 300 * r_per_min});
     }
     static void write_by_another(machine& m) { write_by_hand(m, 0x0605, 700); }
@@ -192,6 +207,7 @@ template <class Readings = default_reading<sim::c630s_options>> struct servo : s
         each("jog", enable{}, c630s::jog{-60 * r_per_min}, sim::turns());
         each("torque", torque, c630s::torque{10 * percent}, sim::turns());
         each("start_segment", positions, c630s::start_segment{1}, sim::moves_by(3000));
+        each("home", positions, c630s::home{30 * second}, sim::homes_at(150'000));
         each("ramps", disable{}, c630s::ramps{200 * millisecond, 200 * millisecond}, sim::changes_nothing());
         each("set_home", disable{}, c630s::set_home{}, sim::changes_nothing());
     }

@@ -222,6 +222,28 @@ TEST_CASE("G20: a homing is stopped whose state the drive refuses to show after 
     CHECK_FALSE(a.is_moving());
 }
 
+TEST_CASE("G20: a homing whose start has no response is stopped, whether it began or not") {
+    for (const bool is_response : {false, true}) {
+        CAPTURE(is_response);
+        unsigned begun = 0, lost = 0;
+        for (std::uint32_t n = 0; n < 12; ++n) {
+            closed_axis a;
+            a.model.attach({.home_from = 20'000, .home_to = 21'000}); // ten seconds away
+            take(a);
+            REQUIRE(a.drive.run(set_homing_profile{120 * r_per_min, 30 * r_per_min}));
+            const yako::closed_loop::home far{
+                homing::home_24, {}, offset_handling::move_position_zero, milliseconds(1'000)};
+            lost += simulated::run_with_a_loss(a, far, n, is_response) ? 1u : 0u;
+            begun += a.model.starts() != 0 ? 1u : 0u;
+            a.run(100);
+            CHECK_FALSE(a.is_moving());
+            CHECK_FALSE(a.drive.cached().is_homed);
+        }
+        CHECK(lost == 12);
+        CHECK(begun >= 9);
+    }
+}
+
 TEST_CASE("5.4: a set_input_move that is interrupted at any frame leaves the old move, the new one, or "
           "none") {
     using enum positioning;

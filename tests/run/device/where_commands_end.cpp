@@ -8,7 +8,6 @@
 #include <string_view>
 #include <type_traits>
 #include <utility>
-#include <vector>
 
 #include <doctest/doctest.h>
 
@@ -37,16 +36,16 @@ struct refuses_control_word : sim::zlac8015d {
     }
 };
 
-/// The address and the number of registers of a request, counted from the last one.
-template <class Trial> std::pair<unsigned, unsigned> request_before(Trial& t, unsigned from_last) {
-    std::vector<std::pair<unsigned, unsigned>> all;
+/// The address and the number of registers of the last request.
+template <class Trial> std::pair<unsigned, unsigned> last_request(Trial& t) {
+    std::pair<unsigned, unsigned> last{};
     for (const sim::traced_frame& f : t.trace()) {
         if (!f.is_request) continue;
         const unsigned registers = f.data[1] == 6 ? 1u : f.data[4] * 256u + f.data[5];
-        all.emplace_back(f.data[2] * 256u + f.data[3], registers);
+        last = {f.data[2] * 256u + f.data[3], registers};
     }
-    REQUIRE(all.size() > from_last);
-    return all[all.size() - 1 - from_last];
+    REQUIRE(last.second != 0);
+    return last;
 }
 
 template <class Subject, class Enable, class Command>
@@ -57,10 +56,13 @@ void refuse_each_request(const char* name, const Enable& enabled_by, const Comma
         REQUIRE(t.run(disable{}));
         if constexpr (!std::is_same_v<Enable, disable>) REQUIRE(t.run(enabled_by));
         t.watch({sim::mishap::refused, r});
-        const routine_status ended = t.run(wanted);
+        REQUIRE(t.drive().begin(wanted) == errc::ok);
+        while (!t.drive().is_idle() && !t.has_happened(sim::mishap::refused)) t.live(microseconds(20));
         if (!t.has_happened(sim::mishap::refused)) break;
+        const auto [address, registers] = last_request(t);
+        REQUIRE(t.finish());
+        const routine_status ended = t.drive().last();
         if (ended.error() != errc::exception) continue; // a read that was not the command's own
-        const auto [address, registers] = request_before(t, t.requests() - r - 1);
         const std::string where = std::string{name} + ", request " + std::to_string(r);
         CAPTURE(where);
         if (!ended.has_register()) {

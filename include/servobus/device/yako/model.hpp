@@ -211,20 +211,19 @@ template <class Device> class model {
                  .then = effect::stop_examined};
             return;
         }
-        if (c.then == effect::homed && r.outcome() == outcome::refused && r.step > start_step_of(c)) {
-            motion_.note(motion_check::unknown); // a read was refused: the homing goes on
-            c = plan(halt{}, known);
-            return;
-        }
-        if (!is_motion(c.then) || r.outcome() != outcome::unknown) return;
-        if (r.step < start_step_of(c)) return;
+        if (!is_motion(c.then) || r.step < start_step_of(c)) return;
+        // After a refused read a homing goes on; other motions are supervised by their own feedback.
+        const bool is_after_start = r.step > start_step_of(c);
+        const bool is_unseen_homing =
+            c.then == effect::homed && is_after_start && r.outcome() == outcome::refused;
+        if (r.outcome() != outcome::unknown && !is_unseen_homing) return;
         if (r.error() == errc::not_executed) return note_profile(c, known);
-        if (r.step > start_step_of(c)) {
-            motion_.note(motion_check::unknown);
-            if (c.then == effect::homed && r.error() != errc::faulted) c = plan(halt{}, known);
+        motion_.note(motion_check::unknown);
+        if (c.then == effect::homed) {
+            if (r.error() != errc::faulted) c = plan(halt{}, known);
             return;
         }
-        motion_.note(motion_check::unknown);
+        if (is_after_start) return;
         c.steps = known.is_marked ? routine{routines::after_start} : routine{routines::after_start_unmarked};
         c.arguments = {{known.marker[0], known.marker[1]}};
         c.then = effect::positions_compared;

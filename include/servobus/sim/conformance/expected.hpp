@@ -28,7 +28,7 @@ struct what_shows {
 };
 
 struct expected {
-    enum class kind : std::uint8_t { nothing, turns, moves_to, moves_by };
+    enum class kind : std::uint8_t { nothing, turns, moves_to, moves_by, homes_at };
     kind what = kind::nothing;
     std::int64_t where = 0; ///< in the counts of the machine's place
     /// True if the drive has nothing by which a restart between two of the command's requests shows.
@@ -36,6 +36,9 @@ struct expected {
 
     constexpr bool is_move() const { return what == kind::moves_to || what == kind::moves_by; }
     constexpr bool is_motion() const { return what != kind::nothing; }
+    /// True if the command is under way until the motor is where it is to be.
+    constexpr bool ends_at_goal() const { return what == kind::homes_at; }
+    constexpr bool has_goal() const { return is_move() || ends_at_goal(); }
     /// Where a move ends that begins at `place`.
     constexpr std::int64_t goal_from(std::int64_t place) const {
         return what == kind::moves_by ? place + where : where;
@@ -52,5 +55,8 @@ constexpr expected turns() { return {.what = expected::kind::turns}; }
 constexpr expected moves_to(std::int64_t place) { return {.what = expected::kind::moves_to, .where = place}; }
 /// The motor moves by a way.
 constexpr expected moves_by(std::int64_t way) { return {.what = expected::kind::moves_by, .where = way}; }
+/// The motor searches home. It rests at this place when the command is done, and does not turn on after one that fails: so
+/// that this shows, home is three seconds away.
+constexpr expected homes_at(std::int64_t place) { return {.what = expected::kind::homes_at, .where = place}; }
 
 } // namespace servobus::sim

@@ -71,6 +71,11 @@ template <class Subject> class conformance_judge {
             if (goal_known_ && !t.was_at(goal_))
                 broken("G34", "the move is reported to have reached its target, and the motor is elsewhere");
         }
+        if (does.ends_at_goal()) {
+            if (!t.stood()) broken("G34", "a homing is reported done, and the motor turns");
+            if (!t.was_at(does.where))
+                broken("G34", "a homing is reported done, and the motor is not at home");
+        }
         if (does.what == expected::kind::turns) {
             // A motor takes time to turn.
             for (int i = 0; i < 35 && is_undisturbed() && !t.is_turning(); ++i) t.live(milliseconds(10));
@@ -139,6 +144,8 @@ template <class Subject> class conformance_judge {
             (shows.restart == restart_shows::while_enabled && was_enabled_ && !is_enable);
         if (can_be_seen && !is_blind && t.has_restarted() && !is_init && d.state() == drive_state::enabled)
             broken("G21", "the drive has restarted, and the state is enabled as before");
+        if (does.ends_at_goal() && t.is_turning() && !is_foreign && !is_blind)
+            broken("G20", "a homing has ended, and the motor turns on");
         for (int i = 0; i < 200 && t.is_turning(); ++i) t.live(milliseconds(100));
         if (is_blind && !shows.every_stop && t.is_turning()) {
             Subject::restart(t.machine());

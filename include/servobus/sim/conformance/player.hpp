@@ -281,7 +281,8 @@ template <class Subject> class conformance_player : protected conformance_judge<
         t.watch(now_.first, now_.second);
         was_enabled_ = t.drive().state() == drive_state::enabled;
         const std::int64_t goal = does.goal_from(t.place());
-        if (does.is_motion() && base::is_undisturbed() && can_be_done(name)) judge_kind(t, wanted);
+        const bool begins_itself = does.is_motion() && !does.ends_at_goal(); // a homing may be a follow-up
+        if (begins_itself && base::is_undisturbed() && can_be_done(name)) judge_kind(t, wanted);
         const errc refused = t.drive().begin(wanted);
         if (refused != errc::ok) {
             if (!can_be_done(name)) return;
@@ -317,7 +318,7 @@ template <class Subject> class conformance_player : protected conformance_judge<
             t.has_happened(mishap::fault) || t.has_restarted() || t.has_happened(mishap::program_stalls);
         if (r.outcome() == outcome::not_sent && !is_replaced && !is_followed && t.writes() != 0 && !is_stop)
             broken("G16", "the command ends as not sent, but a request that writes has left");
-        if (does.is_move() && t.has_started()) {
+        if (does.has_goal() && t.has_started()) {
             goal_ = goal;
             goal_known_ = true;
         }
