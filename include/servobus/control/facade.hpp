@@ -332,7 +332,7 @@ template <class Model, class Line> class facade {
             if (is_refresh_due(now)) return is_witness_due(now) ? flight::witness : flight::refresh;
             return link_.is_check_required() && is_witness_due(now) ? flight::witness : flight::none;
         }
-        if (run_.is_at_stop() || link_.is_expired()) return flight::step; // a stop is the first frame
+        if (run_.is_at_stop()) return flight::step;
         if (run_.is_read_back_due()) return flight::step;                 // before the witness
         if (run_.awaits_witness() || is_witness_due(now)) return flight::witness;
         const bool is_too_early =

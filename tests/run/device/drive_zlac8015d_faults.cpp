@@ -38,6 +38,31 @@ void loop(rig& r, std::uint32_t ms) {
 
 } // namespace
 
+TEST_CASE("G20: after an init nothing is left for the command timeout to stop") {
+    rig r{{}, {.command_timeout = milliseconds(400)}};
+    be_enabled_in(r, operating_mode::velocity);
+    REQUIRE(r.drive.run(velocity{100 * r_per_min, 100 * r_per_min}));
+    REQUIRE(r.drive.run(init{}));
+    const std::size_t before = r.log.frames.size();
+    loop(r, 1'000);
+    for (std::size_t i = before; i < r.log.frames.size(); ++i)
+        CHECK_FALSE(modbus::is_write(r.log.frames[i][1]));
+}
+
+TEST_CASE("G20: once a restart is found the command timeout sends nothing more") {
+    rig r{{}, {.command_timeout = milliseconds(2'000)}};
+    be_enabled_in(r, operating_mode::velocity);
+    REQUIRE(r.drive.run(velocity{100 * r_per_min, 100 * r_per_min}));
+    r.model.power_cycle();
+    loop(r, 1'000);
+    REQUIRE(r.drive.state() == drive_state::needs_init);
+    REQUIRE(r.drive.is_idle());
+    const std::size_t before = r.log.frames.size();
+    loop(r, 5'000);
+    for (std::size_t i = before; i < r.log.frames.size(); ++i)
+        CHECK_FALSE(modbus::is_write(r.log.frames[i][1]));
+}
+
 TEST_CASE("G20: the command timeout also stops the drive while the application only reads or steps") {
     rig r{{}, {.command_timeout = milliseconds(400)}};
     be_enabled_in(r, operating_mode::velocity);
@@ -249,6 +274,20 @@ TEST_CASE("S3: the pause is counted from the last request that the drive receive
         const bool was_stopped = r.model.in_watchdog_stop();
         const routine_status after = r.drive.run(velocity{100 * r_per_min, 100 * r_per_min});
         if (was_stopped) CHECK(after.error() == errc::needs_init);
+    }
+}
+
+TEST_CASE("S3: the pause after which the state is unknown is that of the watchdog time which was set last") {
+    for (const std::int32_t ms : {300, 1'000, 3'000}) {
+        CAPTURE(ms);
+        for (const std::int32_t waited : {ms * 3 / 4, ms + 100}) {
+            rig r;
+            REQUIRE(r.drive.run(init{}));
+            REQUIRE(r.drive.run(watchdog{ms * millisecond}));
+            r.wire.pass(milliseconds(static_cast<std::uint32_t>(waited)));
+            (void)r.drive.step();
+            CHECK((r.drive.state() == drive_state::needs_init) == (waited > ms));
+        }
     }
 }
 

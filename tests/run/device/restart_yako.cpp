@@ -26,6 +26,16 @@ namespace {
 
 constexpr u16 segment_16 = 0x00BA;
 
+/// An axis whose feedback is polled.
+struct polled_axis : simulated::simulated_closed_loop {
+    closed_loop::drive<line_type> drive{line, 1, optional_supervision{.feedback = milliseconds(8)}};
+
+    void step() {
+        (void)drive.step();
+        wire.wait(microseconds(100));
+    }
+};
+
 template <class A> std::int32_t held(A& a) {
     const bool is_high_first = a.model.peek(0x0019) == 0;
     const word_order order = is_high_first ? word_order::high_first : word_order::low_first;
@@ -227,6 +237,48 @@ TEST_CASE("G20, G21: a motor that a restarted drive turns, since the restart is 
         CHECK_FALSE(a.is_moving());
     }
     CHECK(turned != 0);
+}
+
+TEST_CASE(
+    "S1: the frame before the start of a homing is the read of the marker, whenever the feedback is due") {
+    unsigned due = 0;
+    for (unsigned ms = 0; ms < 60; ++ms) {
+        CAPTURE(ms);
+        polled_axis a;
+        a.model.attach(simulated::yako_slide());
+        take(a);
+        REQUIRE(a.drive.run(set_homing_profile{120 * r_per_min, 30 * r_per_min}));
+        for (unsigned i = 0; i < ms * 10; ++i) a.step();
+        REQUIRE(a.drive.begin(closed_loop::home{homing::home_24}) == errc::ok);
+        while (a.sent(enabled_yako::start_homing_frame) == 0) a.step();
+        const std::size_t start = a.requests.size() - 1;
+        REQUIRE(same_bytes(a.requests[start], enabled_yako::start_homing_frame));
+        CHECK(same_bytes(a.requests[start - 1], modbus::read_frame(1, segment_16, 2)));
+        const bool is_read_between = same_bytes(a.requests[start - 3], modbus::read_frame(1, 0x0006, 7));
+        due += is_read_between ? 1u : 0u;
+    }
+    CHECK(due > 40);
+}
+
+TEST_CASE_TEMPLATE("G21, G26: a stop that finds a restart goes on, and is sent once", Stop, halt, disable) {
+    unsigned found = 0;
+    for (std::size_t n = 1; n <= 8; ++n) {
+        CAPTURE(n);
+        closed_axis a;
+        take(a);
+        REQUIRE(a.drive.run(yako::velocity{600 * r_per_min, 1'000 * millisecond, 1'000 * millisecond}));
+        a.run(500);
+        const std::size_t before = a.sent(enabled_yako::stop_frame);
+        a.begin_up_to(Stop{}, n);
+        if (a.drive.is_idle()) break;
+        a.model.power_cycle();
+        a.finish();
+        a.run(100);
+        CHECK(a.drive.last());
+        CHECK(a.sent(enabled_yako::stop_frame) == before + 1);
+        found += a.drive.state() == drive_state::needs_init ? 1u : 0u;
+    }
+    CHECK(found != 0);
 }
 
 TEST_CASE("S1: a drive that restarts before the start of a homing is not sent the start") {
