@@ -286,6 +286,52 @@ TEST_CASE("G21, G22: a lost port invalidates all cached settings and the word or
     CHECK(r.p.all.latest<0>(milliseconds(500)).error() == errc::needs_init);
 }
 
+TEST_CASE("G36: values of before a lost port are not given once the drive is known again") {
+    rig r;
+    REQUIRE(r.command(r.p.lift, yako::init{}));
+    REQUIRE(r.command(r.p.lift, yako::enable{}));
+    REQUIRE(r.command(r.p.lift, yako::declare_position{300 * pulse}));
+    r.loop(500);
+    REQUIRE(r.p.all.latest<2>(milliseconds(200))->get<yako::actual_position>() == 300 * pulse);
+    r.wire.unplug();
+    r.loop(30);
+    r.lift_model.power_cycle();
+    r.wire.plug();
+    r.loop(30);
+    REQUIRE(r.p.lift.begin(yako::init{}) == errc::ok);
+    unsigned given = 0;
+    for (int i = 0; i < 3'000; ++i) {
+        r.turn();
+        const auto now = r.p.all.latest<2>(milliseconds(60'000));
+        if (now) CHECK(now->get<yako::actual_position>() == 0 * pulse);
+        given += now ? 1u : 0u;
+    }
+    CHECK(given > 100);
+}
+
+TEST_CASE("G22: values that were read in a word order which the drive no longer has are not given once that "
+          "is known") {
+    rig r;
+    REQUIRE(r.command(r.p.lift, yako::init{}));
+    REQUIRE(r.command(r.p.lift, yako::enable{}));
+    REQUIRE(r.command(r.p.lift, yako::declare_position{300 * pulse}));
+    r.loop(500);
+    const std::uint8_t low_first[]{0, 1};
+    REQUIRE(r.lift_model.write(yako::pair_word_order.address, words_view{low_first}) ==
+            0); // by somebody else
+    r.loop(250); // two readings
+    REQUIRE(r.p.lift.begin(yako::init{}) == errc::ok);
+    unsigned given = 0;
+    for (int i = 0; i < 3'000; ++i) {
+        r.turn();
+        if (r.p.lift.current_word_order() != word_order::low_first) continue;
+        const auto now = r.p.all.latest<2>(milliseconds(60'000));
+        if (now) CHECK(now->get<yako::actual_position>() == 300 * pulse);
+        given += now ? 1u : 0u;
+    }
+    CHECK(given > 100);
+}
+
 TEST_CASE("G21: a drive that was absent while a command was in progress needs initialisation if it has "
           "restarted meanwhile, and only then") {
     const yako::motion_profile by{20 * r_per_min, 50 * millisecond, 50 * millisecond, 120 * r_per_min};

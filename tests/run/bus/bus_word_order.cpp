@@ -188,6 +188,12 @@ TEST_CASE("G22: a bus delivers no value in the word order before a write of its 
     CHECK(all.latest<0>(milliseconds(300)).error() == errc::needs_word_order);
     all.set_word_order(7, word_order::low_first);
     CHECK(watch(500) > 1000);
+    // The program was wrong, and corrects itself.
+    all.set_word_order(7, word_order::high_first);
+    all.run_for(milliseconds(500));
+    REQUIRE(all.latest<0>(milliseconds(300))->get<yako::actual_position>().count() != 5);
+    all.set_word_order(7, word_order::low_first);
+    CHECK(watch(500) > 1000);
 }
 
 } // namespace bus_word_order_tests

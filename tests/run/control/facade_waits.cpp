@@ -280,6 +280,16 @@ TEST_CASE("G20: a drive that was halted is still energised and halted once more 
     }
 }
 
+TEST_CASE("G20: a move ends by itself, and ends the watch over an endless motion before it") {
+    rig r;
+    r.drive.set_command_timeout(milliseconds(100));
+    REQUIRE(r.drive.run(move));
+    REQUIRE(r.drive.run(bare::command{.steps = move_steps, .arguments = {50}, .then = command_kind::move}));
+    r.port.frames.clear();
+    r.loop(500);
+    CHECK(r.halts() == 0);
+}
+
 TEST_CASE("the cause of a stop counts until the next motion") {
     rig r;
     REQUIRE(r.drive.run(move));
@@ -340,7 +350,30 @@ TEST_CASE("G16, G21: a setpoint without a response that reads back as neither th
         CHECK(static_cast<bool>(got) == (found == 300));
         if (found == old) CHECK(got.error() == errc::not_executed);
         if (found != old && found != 300) CHECK(got.error() == errc::timeout);
+        if (found != 300) CHECK(got.has_changed); // the write before the read-back
         if (found != 300) CHECK(got.outcome() == outcome::unknown);
+    }
+}
+
+TEST_CASE("G16: of a setpoint of two words that reads back as before, each word is compared with its own") {
+    constexpr static step set_both[] = {steps::set_arguments<target, command>()};
+    struct scene {
+        u16 first, second;
+        errc ends;
+    };
+    for (const scene& s :
+         {scene{100, 50, errc::not_executed}, {100, 100, errc::timeout}, {50, 50, errc::timeout}}) {
+        CAPTURE(s.second);
+        rig r;
+        REQUIRE(r.drive.run(bare::command{.steps = set_both, .arguments = {100, 50}}));
+        auto answers = r.port.device;
+        r.port.device = [&](tests::scripted_port& p, const sent_frame& f) {
+            if (f.data[1] == 0x10) return;
+            if (f.data[1] == 0x03 && f.data[3] == 0x00)
+                return p.say(500, tests::read_response(1, {s.first, s.second}));
+            answers(p, f);
+        };
+        CHECK(r.drive.run(bare::command{.steps = set_both, .arguments = {300, 70}}).error() == s.ends);
     }
 }
 

@@ -197,6 +197,31 @@ TEST_CASE("G21: after the port is lost during an enable or a homing nothing more
     CHECK(r.model.stands_still());
 }
 
+TEST_CASE("G16: a set-up that a lost port cuts is unknown once one of its parts has written") {
+    unsigned unknown = 0, clean = 0;
+    for (std::size_t n = 1; n <= 120; ++n) {
+        CAPTURE(n);
+        rig r;
+        REQUIRE(r.drive.run(init{}));
+        const std::size_t before = r.requests.size();
+        REQUIRE(r.drive.begin(set_up{}) == errc::ok);
+        while (!r.drive.is_idle() &&
+               (r.requests.size() < before + n || r.wire.responses() < r.wire.requests()))
+            r.turn();
+        if (r.drive.is_idle()) break;
+        r.wire.unplug();
+        finish(r);
+        bool has_written = false;
+        for (std::size_t i = before; i < r.requests.size(); ++i)
+            has_written = has_written || modbus::is_write(r.requests[i][1]);
+        const outcome ended = r.drive.last().outcome();
+        CHECK((ended == outcome::unknown) == has_written);
+        (has_written ? unknown : clean) += 1;
+    }
+    CHECK(unknown > 30);
+    CHECK(clean > 0);
+}
+
 TEST_CASE("G29: an enable during which the clock stops returns, and the cached state is invalid") {
     stopping_port port{ready_drive()};
     servobus::line line{port, modbus::timing_at(port.baud)};

@@ -38,6 +38,28 @@ void loop(rig& r, std::uint32_t ms) {
 
 } // namespace
 
+TEST_CASE("S3: an enabled drive is read four times within its watchdog time, so that one lost response does "
+          "no harm") {
+    rig r{{}, {.feedback = milliseconds(10'000), .command_timeout = no_command_timeout}};
+    be_enabled_in(r, operating_mode::velocity);
+    loop(r, 1'000);
+    const std::size_t before = r.log.frames.size();
+    loop(r, 10'000);
+    CHECK(r.log.frames.size() - before >= 38);
+    CHECK(r.log.frames.size() - before <= 64); // also the witness, twice a second
+}
+
+TEST_CASE("G35: a drive that had a fault before a setting was changed refuses what moves it for that fault") {
+    rig r;
+    REQUIRE(r.drive.run(init{}));
+    r.model.raise(fault::overcurrent, fault::none);
+    REQUIRE(r.drive.run(read_feedback{}));
+    while (!r.drive.is_idle()) turn(r);
+    CHECK(r.drive.run(enable{}).error() == errc::faulted);
+    REQUIRE(r.drive.run(watchdog{2'000 * millisecond}));
+    CHECK(r.drive.run(velocity{10 * r_per_min, 10 * r_per_min}).error() == errc::faulted);
+}
+
 TEST_CASE("G20: after an init nothing is left for the command timeout to stop") {
     rig r{{}, {.command_timeout = milliseconds(400)}};
     be_enabled_in(r, operating_mode::velocity);
@@ -272,8 +294,10 @@ TEST_CASE("S3: the pause is counted from the last request that the drive receive
         REQUIRE(r.drive.read());
         r.wire.pass(milliseconds(ms));
         const bool was_stopped = r.model.in_watchdog_stop();
+        const std::size_t before = r.log.frames.size();
         const routine_status after = r.drive.run(velocity{100 * r_per_min, 100 * r_per_min});
         if (was_stopped) CHECK(after.error() == errc::needs_init);
+        if (was_stopped) CHECK(r.log.frames.size() == before); // any frame would end the drive's stop
     }
 }
 

@@ -209,7 +209,7 @@ TEST_CASE("G39: after a declared position, a clearing or a homing a lower positi
 }
 
 TEST_CASE("G36, G39: no position of a restarted C630S is given as that of the one before") {
-    unsigned judged = 0;
+    unsigned judged = 0, anew = 0;
     for (std::uint32_t phase = 0; phase < 120; ++phase) {
         bench<sim::c630s, c::drive<on_wire>> b{57600, sim::c630s_options{}, optional_supervision{}};
         REQUIRE(b.drive.run(c::init{}));
@@ -230,8 +230,18 @@ TEST_CASE("G36, G39: no position of a restarted C630S is given as that of the on
             REQUIRE(now->position.count() >= last->position.count());
         }
         CHECK(b.drive.state() == c::drive_state::needs_init);
+        REQUIRE(b.drive.run(c::init{}));
+        for (int i = 0; i < 400; ++i) {
+            b.pass(500);
+            const auto now = b.drive.feedback(milliseconds(20'000));
+            if (!now) continue;
+            ++anew;
+            const auto shown = static_cast<std::int32_t>(b.machine.peek(c::absolute_position.address));
+            REQUIRE(std::abs(now->position.count() - shown) < 60);
+        }
     }
     CHECK(judged > 120);
+    CHECK(anew > 120);
 }
 
 TEST_CASE(

@@ -279,4 +279,35 @@ TEST_CASE("S5: a position that is more than 20 units nearer to zero has fallen, 
     }
 }
 
+TEST_CASE("G35: a brake that is applied although the servo is on ends the state enabled, and outputs count "
+          "once set up") {
+    const std::array<u16, model::image.words> released{status_flags::brake_bit | status_flags::ready_bit};
+    const std::array<u16, model::image.words> applied{status_flags::ready_bit};
+    const std::array<u16, model::image.words> faulted{status_flags::fault_bit};
+    cached_settings known{};
+    known.state = drive_state::enabled;
+    CHECK(model::judge(released.data(), known) == verdict::as_expected);
+    CHECK(model::judge(applied.data(), known) == verdict::disabled);
+    CHECK(model::judge(faulted.data(), known) == verdict::faulted);
+    for (const drive_state s :
+         {drive_state::needs_init, drive_state::needs_set_up, drive_state::needs_power_cycle}) {
+        known.state = s;
+        CHECK_FALSE(model::is_faulted(faulted.data(), known));
+    }
+    for (const drive_state s : {drive_state::disabled, drive_state::enabled}) {
+        known.state = s;
+        CHECK(model::is_faulted(faulted.data(), known));
+        CHECK_FALSE(model::is_faulted(released.data(), known));
+    }
+}
+
+TEST_CASE("G34: COIN within 50 ms of a start is that of the move before") {
+    const auto completed = status_flags::from_word(status_flags::completed_bit);
+    motion_under_way m;
+    CHECK(m.confirm(completed, {}) == errc::busy);
+    CHECK(m.confirm(completed, microseconds(49'999)) == errc::busy);
+    CHECK(m.confirm(completed, milliseconds(50)) == errc::ok);
+    CHECK(m.confirm(status_flags::from_word(0), milliseconds(900)) == errc::busy);
+}
+
 } // namespace model_c630s_tests

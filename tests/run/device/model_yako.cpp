@@ -155,4 +155,34 @@ TEST_CASE("A61: a wait for a move that rests at the end of the counter's range, 
     CHECK(ended(2'147'483'100) == errc::stopped_short);
 }
 
+TEST_CASE("G34: a move that was replaced, or a way that began while the motor moved, has no known end "
+          "[errata A59]") {
+    cached_settings known{};
+    known.state = drive_state::enabled;
+    known.word_order = word_order::high_first;
+    known.is_homed = true;
+    const std::array<u16, 7> at_rest{0, motion_status::homed_bit};
+    const std::array<u16, 7> moving{0, motion_status::homed_bit | motion_status::moving_bit};
+    const std::array<u16, 7> at_500{0, motion_status::homed_bit, 0, 0, 0, 500};
+    const auto arrives = [&](const auto& wanted, const std::array<u16, 7>& before) {
+        motion_under_way<closed_loop::device> m;
+        const prepared_command c = wanted.plan(known);
+        m.begin(c, before.data(), known);
+        m.keep_goal(c);
+        return m.arrival_of(at_500.data(), milliseconds(900), known).how;
+    };
+    CHECK(arrives(move_by{500 * pulse}, at_rest) == arrival_state::reached);
+    CHECK(arrives(move_by{500 * pulse}, moving) == arrival_state::none);
+    CHECK(arrives(move_to{500 * pulse}, at_rest) == arrival_state::reached);
+    CHECK(arrives(move_to{500 * pulse}, moving) == arrival_state::reached);
+
+    model<closed_loop::device> m;
+    prepared_command c = move_by{500 * pulse}.plan(known);
+    REQUIRE(m.permit(c, at_rest.data(), known) == errc::ok);
+    REQUIRE(m.learn(c, slice<const u16>{at_rest.data(), at_rest.size()}, known) == errc::ok);
+    REQUIRE(m.arrival_of(at_500.data(), milliseconds(900), known).how == arrival_state::reached);
+    m.preempt(c);
+    CHECK(m.arrival_of(at_500.data(), milliseconds(900), known).how == arrival_state::none);
+}
+
 } // namespace model_yako_tests

@@ -3,7 +3,7 @@
 //
 // Whether a drive responds, and whether it is still the one that the cached settings describe.
 //
-//     up --no response for the time of the drive's watchdog, or the port was lost--> expired --a response--> up
+//     up --no response for the time of the drive's watchdog--> expired --a response--> up
 //     verified --a request without a response, or 500 ms--> to be checked --the witness is unchanged--> verified
 #pragma once
 
@@ -32,7 +32,6 @@ template <bool HasWatchdog> class drive_link {
     constexpr bool take_loss(epoch now) {
         if (losses_ == now.losses) return false;
         losses_ = now.losses;
-        is_expired_ = HasWatchdog;
         return true;
     }
     constexpr void expire() { is_expired_ = true; }
