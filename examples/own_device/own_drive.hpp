@@ -17,6 +17,7 @@
 #include <servobus/control/command.hpp>
 #include <servobus/control/command_kinds.hpp>
 #include <servobus/control/facade.hpp>
+#include <servobus/control/steps.hpp>
 
 #include "own_device.hpp"
 

@@ -21,7 +21,7 @@
 #include <servobus/client/stepped_read.hpp>
 #include <servobus/client/stepped_write.hpp>
 #include <servobus/control/routine_status.hpp>
-#include <servobus/control/step.hpp>
+#include <servobus/control/steps.hpp>
 #include <servobus/control/supervision.hpp>
 #include <servobus/core/bytes.hpp>
 #include <servobus/core/result.hpp>

@@ -13,7 +13,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include <servobus/control/step.hpp>
+#include <servobus/control/steps.hpp>
 #include <servobus/device/c630s/terminals.hpp>
 
 namespace servobus {

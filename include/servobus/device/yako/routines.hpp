@@ -13,7 +13,7 @@
 //     };
 #pragma once
 
-#include <servobus/control/step.hpp>
+#include <servobus/control/steps.hpp>
 #include <servobus/device/yako/closed_loop.hpp>
 #include <servobus/device/yako/open_loop.hpp>
 

@@ -12,7 +12,7 @@
 //     };
 #pragma once
 
-#include <servobus/control/step.hpp>
+#include <servobus/control/steps.hpp>
 #include <servobus/device/zlac8015d/registers.hpp>
 
 namespace servobus {
