@@ -17,22 +17,14 @@
 #include <servobus/control/slower_blocks.hpp>
 #include <servobus/device/c630s/commands.hpp>
 #include <servobus/device/c630s/feedback.hpp>
+#include <servobus/device/c630s/known_settings.hpp>
 #include <servobus/device/c630s/motion.hpp>
 #include <servobus/device/c630s/moves.hpp>
 #include <servobus/device/c630s/parameters.hpp>
 #include <servobus/device/c630s/set_up_progress.hpp>
+#include <servobus/device/c630s/terminal_rivals.hpp>
 
 namespace servobus::c630s {
-
-namespace detail {
-/// Up to the step where the routine ended it wrote R, a constant or from the arguments.
-template <const auto& R> constexpr bool may_have_written(routine table, const routine_status& r) {
-    for (std::size_t i = 0; i <= r.step && i < table.size(); ++i) {
-        if (table[i].what == step::kind::write && table[i].address == R.address) return true;
-    }
-    return false;
-}
-} // namespace detail
 
 /// The model of the drive for `servobus::facade`.
 class model {
@@ -53,7 +45,7 @@ class model {
                                                 {position_deviation.address, 4},
                                                 {selected_fault_record.address, 2}};
     static constexpr std::uint8_t readings_between = 2;
-    static constexpr std::uint8_t positions = 1; ///< of these, the block that a restart may change
+    static constexpr std::uint8_t positions = 1; ///< number of the block that a restart may change
     static constexpr settings unknown{};
     static constexpr drive_state enabled = drive_state::enabled;
     static constexpr drive_state faulted = drive_state::faulted;
@@ -122,7 +114,7 @@ class model {
     /// A last check before a command starts.
     constexpr errc admit(const prepared_command& c, const response_limits&, const bus_gaps&) {
         if (c.then == effect::arrived && !motion_.has_goal()) return errc::wrong_state;
-        conflict_ = 0;
+        rivals_.forget();
         motion_.ask();
         if (c.then == effect::examined) (void)set_up_.begin(true);
         return errc::ok;
@@ -158,10 +150,10 @@ class model {
     constexpr errc learn(prepared_command& c, slice<const std::uint16_t> words, settings& known) {
         switch (c.then) {
         case effect::initialised: return take_over(c, words, known);
-        case effect::looked: return look(c, words, known);
+        case effect::looked: set_up_.look(c, words, known); break;
         case effect::taken_over:
             known.inputs = c.arguments[1];
-            known.state = found_;
+            known.state = set_up_.found();
             break;
         case effect::examined: {
             bool is_right = false;
@@ -178,7 +170,7 @@ class model {
         case effect::set_up:
         case effect::needs_power_cycle:
             known.state = drive_state::needs_power_cycle;
-            awaits_power_cycle_ = true;
+            set_up_.note_kept();
             break;
         case effect::torque_limited:
             known.positive_torque = c.arguments[0];
@@ -189,12 +181,18 @@ class model {
             known.max_forward = c.arguments[1];
             known.max_reverse = c.arguments[2];
             break;
-        case effect::parameter_set: note_parameter(c, known); break;
+        case effect::parameter_set: detail::note_parameter(c, known); break;
         case effect::enabled:
-        case effect::runs_speed_segments: note_enabled(c, words, known); break;
+        case effect::runs_speed_segments:
+            motion_.forget();
+            detail::note_enabled(c, words, known);
+            break;
         case effect::stopped:
         case effect::disabled:
-        case effect::disabled_for_reset: note_servo_off(c, known); break;
+        case effect::disabled_for_reset:
+            motion_.stop();
+            detail::note_servo_off(c, known);
+            break;
         case effect::reset: known.inputs = c.arguments[1]; break;
         case effect::quick_stopped:
             motion_.stop();
@@ -213,8 +211,8 @@ class model {
         case effect::stood: return end_move(c, words, known);
         case effect::forgotten: known = unknown; break;
         case effect::positions_compared: motion_.note(motion_.compared(words, word_order_of_move_)); break;
-        case effect::home_looked_at: begin_homing(c, words); break;
-        case effect::rivals_seen: return judge_rivals(c, words);
+        case effect::home_looked_at: detail::begin_homing(c, words); break;
+        case effect::rivals_seen: return rivals_.judge(c, words);
         default: break;
         }
         return errc::ok;
@@ -248,8 +246,8 @@ class model {
             is_restart || is_cut || (is_energised && c.stop == stop_priority::no_stop) || is_homing;
         const bool is_unknown = is_cut || r.error() == errc::needs_init;
         if (must_stop && is_answer) c = detail::stop_by_all_means(is_unknown ? unknown : known);
-        if (leaves_keeping(was, failed, r)) c = {.steps = routines::give_up_keeping};
-        if (is_of_take_over(was) || was == effect::forgotten) known = unknown;
+        if (set_up_.leaves_keeping(was, failed, r)) c = {.steps = routines::give_up_keeping};
+        if (set_up_.is_part(was) || was == effect::forgotten) known = unknown;
     }
 
     /// The drive's own delay, P0C-25, counts on top of the node's response limit, as far as a bus grants it.
@@ -260,7 +258,7 @@ class model {
     }
     constexpr void grant_at_most(duration response) { most_granted_ = response; }
 
-    constexpr std::uint16_t conflict() const { return conflict_; }
+    constexpr std::uint16_t conflict() const { return rivals_.conflict(); }
     constexpr const motion_under_way& motion() const { return motion_; }
 
   private:
@@ -273,29 +271,9 @@ class model {
     static constexpr bool switches_off(effect e) {
         return e == effect::stopped || e == effect::disabled || e == effect::disabled_for_reset;
     }
-    static constexpr bool is_of_take_over(effect e) {
-        switch (e) {
-        case effect::looked:
-        case effect::taken_over:
-        case effect::examined:
-        case effect::keeping:
-        case effect::block_set:
-        case effect::set_up: return true;
-        default: return false;
-        }
-    }
     static constexpr bool is_started(routine failed, const routine_status& r) {
         return r.step + routines::steps_from_start >= failed.size();
     }
-    // The drive refused something while P0C-13 is 1: what is written next would wear the EEPROM.
-    constexpr bool leaves_keeping(effect was, routine failed, const routine_status& r) const {
-        const bool is_refusal = r.error() == errc::exception || r.error() == errc::unexpected_value;
-        const bool is_in_set_up =
-            set_up_.is_keeping() && (was == effect::examined || was == effect::block_set);
-        return is_refusal && was != effect::none &&
-               (is_in_set_up || detail::may_have_written<eeprom_update>(failed, r));
-    }
-
     // Taking over and setting up: the drive needs an init until the blocks of the set-up were read too.
     constexpr errc take_over(prepared_command& c, slice<const std::uint16_t> w, settings& known) {
         using namespace routines;
@@ -303,105 +281,10 @@ class model {
         known = unknown;
         if (w[pair_word_order_word] > 1) return errc::unexpected_value;
         response_delay_ms_ = w[response_delay_word];
-        found_ = drive_state::needs_set_up;
-        known = {.mode = static_cast<control_mode>(w[mode_word]),
-                 .word_order = w[pair_word_order_word] == 0 ? word_order::high_first : word_order::low_first,
-                 .max_speed = w[max_speed_word],
-                 .max_forward = w[max_forward_word],
-                 .max_reverse = w[max_reverse_word],
-                 .positive_torque = w[positive_torque_word],
-                 .negative_torque = w[negative_torque_word],
-                 .brake_delay_ms = w[brake_delay_word],
-                 .power_off_delay_ms = w[power_off_delay_word]};
-        awaits_power_cycle_ = w[record_word] == detail::as_word(fault_record::ninth_last);
-        c = set_up_.begin(false);
+        known = detail::settings_in(w);
+        c = set_up_.take_over(w[record_word] == detail::as_word(fault_record::ninth_last));
         return errc::ok;
     }
-    constexpr errc look(prepared_command& c, slice<const std::uint16_t> words, settings& known) {
-        bool is_right = false;
-        c = set_up_.judge(words, is_right);
-        if (!c.steps.empty()) return errc::ok;
-        if (is_right) found_ = awaits_power_cycle_ ? drive_state::needs_power_cycle : drive_state::disabled;
-        if (awaits_power_cycle_) { // P0B-33 shows it to the next `init` too
-            known.state = found_;
-            return errc::ok;
-        }
-        c = {.steps = is_right ? routine{routines::mark_session} : routine{routines::choose_present_alarm},
-             .arguments = {0, is_right ? terminal::marker : std::uint16_t{0}},
-             .then = effect::taken_over};
-        return errc::ok;
-    }
-    static constexpr void note_parameter(const prepared_command& c, settings& known) {
-        const auto address = static_cast<std::uint16_t>(target_speed.address + c.shift); // of one word
-        if (address == max_speed.address) known.max_speed = c.arguments[0];
-        if (address == max_forward_speed.address) known.max_forward = c.arguments[0];
-        if (address == max_reverse_speed.address) known.max_reverse = c.arguments[0];
-        if (address == positive_internal_torque_limit.address) known.positive_torque = c.arguments[0];
-        if (address == negative_internal_torque_limit.address) known.negative_torque = c.arguments[0];
-        if (address == brake_on_to_command_delay.address) known.brake_delay_ms = c.arguments[0];
-        if (address == brake_off_to_power_off_delay.address) known.power_off_delay_ms = c.arguments[0];
-    }
-    constexpr void note_enabled(const prepared_command& c, slice<const std::uint16_t> words,
-                                settings& known) {
-        motion_.forget();
-        known.state = drive_state::enabled;
-        known.mode = c.mode;
-        known.inputs = c.arguments[4];
-        known.source = static_cast<position_source>(c.arguments[3]);
-        known.ways = static_cast<displacement_type>(words[0]);
-        known.runs_speed_segments = c.then == effect::runs_speed_segments;
-        known.run = static_cast<segment_mode>(c.arguments[known.runs_speed_segments ? 2 : 1]);
-    }
-    constexpr void note_servo_off(prepared_command& c, settings& known) {
-        motion_.stop();
-        known.inputs = c.arguments[1];
-        known.runs_speed_segments = false;
-        known.run = segment_mode::by_input;
-        if (known.state == drive_state::enabled || known.state == drive_state::quick_stopped)
-            known.state = drive_state::disabled;
-        if (!known.is_initialised()) return;
-        if (c.then == effect::stopped) c = {.steps = routines::details, .then = effect::seen};
-        if (c.then != effect::disabled_for_reset) return;
-        const bool is_set_up = known.state == drive_state::disabled;
-        c = {.steps =
-                 is_set_up ? routine{routines::fault_reset} : routine{routines::fault_reset_before_set_up},
-             .arguments = {0, is_set_up ? terminal::marker : std::uint16_t{0}},
-             .then = effect::reset};
-    }
-
-    // A terminal's function: the others are read before it is written.
-    constexpr errc judge_rivals(prepared_command& c, slice<const std::uint16_t> held) {
-        const auto block = static_cast<std::uint16_t>(c.shift + routines::first_of_blocks);
-        for (std::uint16_t i = 0; i < detail::block_size; i += 2) {
-            const auto address = static_cast<std::uint16_t>(block + i);
-            if (held[i] != c.arguments[0] || address == c.arguments[1]) continue;
-            conflict_ = address;
-            return errc::already_assigned;
-        }
-        const std::uint16_t other = detail::next_rivals(block);
-        c.steps = routines::look_at_block;
-        c.shift = detail::as_word(other - routines::first_of_blocks);
-        if (other == 0) { // none has it
-            c.steps = c.arguments[2] != 0 ? routine{routines::keep_one} : routine{routines::set_one};
-            c.then = effect::assigned;
-            c.shift = detail::as_word(c.arguments[1] - target_speed.address);
-        }
-        return errc::ok;
-    }
-
-    // A drive may leave the output of an earlier homing as it is: then that is no sign of this one.
-    static constexpr void begin_homing(prepared_command& c, slice<const std::uint16_t> words) {
-        const bool is_electrical = c.arguments[1] == detail::as_word(homing::start_electrical);
-        const std::uint16_t sign = is_electrical ? status_flags::electrical_bit : status_flags::homed_bit;
-        const bool is_old = (words[0] & sign) != 0;
-        c.then = effect::homed;
-        if (is_electrical)
-            c.steps =
-                is_old ? routine{routines::home_electrically_again} : routine{routines::home_electrically};
-        else
-            c.steps = is_old ? routine{routines::home_again} : routine{routines::home};
-    }
-
     static constexpr void begin_move(motion_under_way& motion, slice<const std::uint16_t> words,
                                      const settings& known) {
         using namespace routines;
@@ -425,9 +308,7 @@ class model {
     set_up_progress set_up_{};
     word_order word_order_of_move_ = word_order::low_first;
     std::uint16_t response_delay_ms_ = 0;
-    std::uint16_t conflict_ = 0; // the register that holds a function which another terminal was to get
-    drive_state found_ = drive_state::needs_set_up; // by `init`
-    bool awaits_power_cycle_ = false;
+    terminal_rivals rivals_{};
 };
 
 /// By which a plan finds the model of a node's device.

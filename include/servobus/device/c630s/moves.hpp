@@ -49,7 +49,7 @@ struct position_segments {
     displacement_type type = displacement_type::relative;
     segment_number last = 1;
     segment_remainder remainder = segment_remainder::restart; ///< what a stop left undone does not go on
-    std::uint16_t first = 0; ///< of the sequential mode, 0..16; what 0 means is not stated
+    std::uint16_t first = 0; ///< in the sequential mode, 0..16; what 0 means is not stated
 
     constexpr prepared_command plan(const cached_settings& cached) const {
         return {.steps = routines::position_segments,
@@ -150,7 +150,7 @@ struct homing_by {
     speed fast{100};                   ///< 0..3000 r/min
     speed slow{10};                    ///< 0..1000 r/min
     time ramp{1000};                   ///< 0..1000 ms
-    std::uint16_t time_limit = 10'000; ///< of P05-61's unit, presumably ms
+    std::uint16_t time_limit = 10'000; ///< in the unit of P05-61, presumably ms
 
     constexpr prepared_command plan(const cached_settings& cached) const {
         const auto f = detail::count_in<homing_high_speed>(fast);
@@ -175,6 +175,17 @@ constexpr prepared_command home_by(homing how, time within, const cached_setting
             .refusal = first_error(needs_mode(cached, control_mode::position),
                                    is_wrong ? errc::out_of_range : errc::ok),
             .limit = is_wrong ? duration{} : milliseconds(static_cast<std::uint32_t>(ms))};
+}
+/// The outputs were read. A drive may leave that of an earlier homing as it is: then it is no sign of this one.
+constexpr void begin_homing(prepared_command& c, slice<const std::uint16_t> words) {
+    const bool is_electrical = c.arguments[1] == as_word(homing::start_electrical);
+    const std::uint16_t sign = is_electrical ? status_flags::electrical_bit : status_flags::homed_bit;
+    const bool is_old = (words[0] & sign) != 0;
+    c.then = effect::homed;
+    if (is_electrical)
+        c.steps = is_old ? routine{routines::home_electrically_again} : routine{routines::home_electrically};
+    else
+        c.steps = is_old ? routine{routines::home_again} : routine{routines::home};
 }
 } // namespace detail
 

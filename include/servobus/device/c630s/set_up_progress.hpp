@@ -13,16 +13,70 @@
 
 #include <cstdint>
 
+#include <servobus/control/routine_status.hpp>
 #include <servobus/core/slice.hpp>
 #include <servobus/device/c630s/prepared_command.hpp>
+#include <servobus/device/c630s/routines.hpp>
 
 namespace servobus::c630s {
+
+namespace detail {
+/// Up to the step where the routine ended it wrote R, a constant or from the arguments.
+template <const auto& R> constexpr bool may_have_written(routine table, const routine_status& r) {
+    for (std::size_t i = 0; i <= r.step && i < table.size(); ++i) {
+        if (table[i].what == step::kind::write && table[i].address == R.address) return true;
+    }
+    return false;
+}
+} // namespace detail
 
 /// Each function returns the routine that follows; without steps if nothing does.
 class set_up_progress {
   public:
-    /// Writes go into the EEPROM.
-    constexpr bool is_keeping() const { return is_keeping_; }
+    /// An `init` has read its words: the blocks follow. `awaits_power_cycle`: by the mark of a set-up before.
+    constexpr prepared_command take_over(bool awaits_power_cycle) {
+        found_ = drive_state::needs_set_up;
+        awaits_power_cycle_ = awaits_power_cycle;
+        return begin(false);
+    }
+    /// The state that an `init` has found.
+    constexpr drive_state found() const { return found_; }
+    /// A block was read by an `init`. Puts what follows into `c`.
+    constexpr void look(prepared_command& c, slice<const std::uint16_t> words, cached_settings& known) {
+        bool is_right = false;
+        c = judge(words, is_right);
+        if (!c.steps.empty()) return;
+        if (is_right) found_ = awaits_power_cycle_ ? drive_state::needs_power_cycle : drive_state::disabled;
+        if (awaits_power_cycle_) { // P0B-33 shows it to the next `init` too
+            known.state = found_;
+            return;
+        }
+        c = {.steps = is_right ? routine{routines::mark_session} : routine{routines::choose_present_alarm},
+             .arguments = {0, is_right ? terminal::marker : std::uint16_t{0}},
+             .then = effect::taken_over};
+    }
+    /// The drive has kept something that works only once the power has been off.
+    constexpr void note_kept() { awaits_power_cycle_ = true; }
+
+    /// A part of an `init` or of a set-up: the drive is unknown if it fails.
+    static constexpr bool is_part(effect e) {
+        switch (e) {
+        case effect::looked:
+        case effect::taken_over:
+        case effect::examined:
+        case effect::keeping:
+        case effect::block_set:
+        case effect::set_up: return true;
+        default: return false;
+        }
+    }
+    /// The drive refused something while P0C-13 is 1: what is written next would wear the EEPROM.
+    constexpr bool leaves_keeping(effect was, routine failed, const routine_status& r) const {
+        const bool is_refusal = r.error() == errc::exception || r.error() == errc::unexpected_value;
+        const bool is_in_set_up = is_keeping_ && (was == effect::examined || was == effect::block_set);
+        return is_refusal && was != effect::none &&
+               (is_in_set_up || detail::may_have_written<eeprom_update>(failed, r));
+    }
 
     constexpr prepared_command begin(bool may_write) {
         may_write_ = may_write;
@@ -67,7 +121,9 @@ class set_up_progress {
 
     std::uint8_t block_ = 0;
     bool may_write_ = false;
-    bool is_keeping_ = false;
+    bool is_keeping_ = false;                       // writes go into the EEPROM
+    drive_state found_ = drive_state::needs_set_up; // by `init`
+    bool awaits_power_cycle_ = false;
 };
 
 } // namespace servobus::c630s
