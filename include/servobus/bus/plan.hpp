@@ -160,7 +160,7 @@ template <class... Entries> class poll_plan {
             period = longer_of(period, polls[i].period);
             if (i != 0) others.add(common.longest(polls[i]));
         }
-        const duration turn = common.wait(polls[0], others); // of the others before it, once it may be tried
+        const duration turn = common.wait(polls[0], others); // for the others before it, once it may be tried
         const bound read = bound{period} + (bound{rules_.retry_every} + turn) * absent;
         duration feedback{};
         for (std::size_t i = 0; i < drives; ++i) {

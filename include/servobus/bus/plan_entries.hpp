@@ -109,7 +109,7 @@ struct controlled_node : supervised_node {
     duration command_period{}; ///< between commands of the application; 0: not known
     duration keep_alive{};     ///< after it the facade counts the drive's own watchdog as expired; 0: none
     std::uint8_t image_words = 0;
-    std::uint8_t slower_words = 0;     ///< of the longest block that is read less often
+    std::uint8_t slower_words = 0;     ///< in the longest block that is read less often
     std::uint8_t readings_between = 0; ///< readings of the image for one of a slower block
 };
 
@@ -182,7 +182,8 @@ consteval requested_node own_requests(const node<Device>& to, duration period, s
 
 /// When a node counts as absent, and how often it is asked then.
 struct back_off {
-    std::uint8_t failures = 3; ///< of a cyclic read in a row, which must also have missed its keep-alive
+    /// So many failures in a row, and a missed keep-alive: then a cyclic read's node counts as absent.
+    std::uint8_t failures = 3;
     duration retry_every =
         milliseconds(1000); ///< for all absent nodes that are read together, and for all absent
                             ///< drives together: it bounds the time that they take from the others

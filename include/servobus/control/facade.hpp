@@ -333,7 +333,7 @@ template <class Model, class Line> class facade {
             return link_.is_check_required() && is_witness_due(now) ? flight::witness : flight::none;
         }
         if (run_.is_at_stop()) return flight::step;
-        if (run_.is_read_back_due()) return flight::step;                 // before the witness
+        if (run_.is_read_back_due()) return flight::step; // before the witness
         if (run_.awaits_witness() || is_witness_due(now)) return flight::witness;
         const bool is_too_early =
             run_.is_waiting() && polling_.waited_too_little(now) && !is_refresh_due(now);
@@ -712,7 +712,7 @@ template <class Model, class Line> class facade {
             const bool goes_on = !command_.steps.empty() && command_.stop != stop_priority::no_stop;
             if (was_stop && goes_on && by == owner::application) report_ = {};
         }
-        // Of a stop that goes on, as many frames go before all other traffic as are left.
+        // A stop that goes on keeps the urgent frames that it has left.
         if (!command_.steps.empty())
             start(owner::follow_up, was_stop ? run_.urgent_left() : steps::urgent_frames);
     }

@@ -28,7 +28,7 @@ struct supervised_node {
 struct scheduling {
     /// A stop that goes before all other traffic waits to be sent.
     template <class Facade> static constexpr bool has_stop(const Facade& of) { return of.has_stop_to_send(); }
-    /// Of the frame that waits for the line: a lower one has waited longer. 0: none waits.
+    /// The place in the queue of the frame that waits for the line: a lower one has waited longer. 0: none waits.
     template <class Facade> static constexpr std::uint16_t ticket(const Facade& of) {
         return of.is_waiting_to_send() ? of.exchange_.ticket() : std::uint16_t{0};
     }

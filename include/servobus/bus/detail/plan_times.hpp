@@ -52,7 +52,7 @@ struct plan_times {
     duration quarantine = timing.visible_gap(); ///< the longest: of the node before, or of the next one
     duration longest_own_gap{timing.t3_5};      ///< before a request of any node
     duration stop_gap{timing.t3_5};             ///< before a stop: the gap of its own drive only
-    duration longest_response{};                ///< of the time limits of all drives and reads
+    duration longest_response{};                ///< the longest time limit among all drives and reads
     bound requests_between = duration{};        ///< one request to each node of the program's own ones
     bound longest_read = duration{};
 

@@ -11,7 +11,7 @@ namespace servobus::detail {
 
 template <bool HasPairs> struct read_order {
     verified<word_order> learned{word_order::high_first, {}};
-    word_order taken_in = word_order::high_first; ///< of the values
+    word_order taken_in = word_order::high_first; ///< in which the values came
 };
 template <> struct read_order<false> {};
 

@@ -73,7 +73,7 @@ template <bool HasWatchdog> class drive_link {
     instant heard_{};   // when the last request that got a response began to leave
     instant checked_{};
     epoch epoch_{}; // in which the settings were verified
-    epoch asked_{}; // of the witness in flight
+    epoch asked_{}; // when the witness in flight was asked for
 };
 
 } // namespace servobus::detail

@@ -37,7 +37,7 @@ class held_reading {
 
     /// Holds a response of the image, which lies in `buffer`, in place of what was held before.
     constexpr void hold_image(std::uint8_t* buffer, bytes read) { hold(buffer, read, false); }
-    /// The same of a slower block.
+    /// Holds a response of a slower block likewise.
     constexpr void hold_block(std::uint8_t* buffer, bytes read) { hold(buffer, read, true); }
     constexpr void drop() { size_ = 0; }
 

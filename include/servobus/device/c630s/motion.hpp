@@ -20,7 +20,7 @@ namespace servobus::c630s {
 /// Where the last move has come to.
 struct arrival {
     arrival_state how = arrival_state::none;
-    stop_cause cause = stop_cause::unknown; ///< of `stopped_short`
+    stop_cause cause = stop_cause::unknown; ///< why it `stopped_short`
     distance missing{};                     ///< from the motor's position, as read last, to its target
 };
 

@@ -30,7 +30,7 @@ using servobus::disable, servobus::drive_state, servobus::enable, servobus::faul
 using speed = quantity<units::r_per_min, std::int32_t>;
 using time = quantity<units::millisecond, std::int32_t>;
 using distance = quantity<units::reference_unit, std::int32_t>;
-/// Of the rated torque, in tenths of a percent: `50 * percent` converts to it.
+/// A share of the rated torque, in tenths of a percent: `50 * percent` converts to it.
 using torque_share = quantity<units::percent / 10, std::int32_t>;
 
 /// What the program has cached of the drive. Invalid after an unknown outcome or a restart.
@@ -71,14 +71,14 @@ enum class effect : std::uint8_t {
     looked,     ///< by `init`: a block of the set-up was read
     examined,   ///< the same by `set_up`
     keeping,    ///< writes go into the EEPROM
-    block_set,  ///< of the set-up
+    block_set,  ///< a part of the set-up
     set_up,     ///< writes go into the EEPROM no more
     taken_over, ///< the end of `init`
     needs_power_cycle,
     torque_limited,
     speed_limited,
-    parameter_set, ///< of one word
-    pair_set,      ///< of two words
+    parameter_set, ///< one word
+    pair_set,      ///< two words
     enabled,
     runs_speed_segments,
     stopped, ///< by every means
@@ -92,7 +92,7 @@ enum class effect : std::uint8_t {
     runs_segments,    ///< segments were started that follow each other
     driven,           ///< by a speed or a torque
     jogged,           ///< P31-00 holds argument 1, as for the next
-    segment_selected, ///< of speed
+    segment_selected, ///< by speed
     home_looked_at,
     homed,
     forgotten,

@@ -325,7 +325,7 @@ inline constexpr step way_of_step[] = {steps::fetch<position_step>(way_word)};
 inline constexpr step look_at_limits[] = {steps::fetch<selected_fault_record, recorded_alarm>(alarm_before_word), steps::permit()};
 inline constexpr auto start         = joined(before_start, way_of_segment, look_at_limits, start_now);
 inline constexpr auto start_step    = joined(before_start, way_of_step, look_at_limits, start_now);
-/// Of a run of several segments the end is not known.
+/// A run of several segments: its end is not known.
 inline constexpr auto start_run     = joined(before_start, start_now);
 
 /// Segments of speed: P31-00 from argument 0 to argument 1 while the motor is energised.

@@ -21,7 +21,7 @@ namespace servobus::yako {
 /// Where the last move has come to.
 struct arrival {
     arrival_state how = arrival_state::none;
-    stop_cause cause = stop_cause::unknown; ///< of `stopped_short`
+    stop_cause cause = stop_cause::unknown; ///< why it `stopped_short`
     distance missing{};                     ///< from the motor's position to its target
 };
 
@@ -137,7 +137,7 @@ template <class Device> class motion_under_way {
             seen_ = motion_check::not_seen;
             return errc::not_executed;
         }
-        // One that interrupts another ends at an unknown place.
+        // A motion that interrupts another ends at an unknown place.
         if (!is_moving && !was_moving_ && !is_there) {
             if (since_start < start_limit) return errc::busy; // a shaft that still comes to rest
             seen_ = motion_check::unknown;

@@ -137,7 +137,7 @@ inline constexpr step jog[] = {
     steps::write_arguments<cl::jog_speed, jog_acceleration_time, jog_deceleration_time>(),
     steps::write<motion_command>(motion_code::jog()), same_drive, must_be_confirmed,
 };
-inline constexpr std::uint8_t start_step = 3; ///< of a move with a profile, and of a jog
+inline constexpr std::uint8_t start_step = 3; ///< in the routines of a move with a profile and of a jog
 inline constexpr std::uint8_t stored_start_step = 4;
 
 /// Section 4.3. Arguments: offset mode, method, offset, and the speeds that the drive should hold. A drive that restarts

@@ -3,7 +3,7 @@
 //
 // YAKOTEC Modbus steppers, closed loop (ESS242-, ESS257-, ESS286-Rx1) and open loop (ESD2205PR, ESD2505PR,
 // YKE2405PR, YKE2608PR): the profile of the family and the values of its enumerated registers and bit fields.
-// Those of homing are in homing.hpp. yako/common.hpp includes it. Source: manual V2.6.0, chapters 2 to 5,
+// homing.hpp has the values of homing. yako/common.hpp includes it. Source: manual V2.6.0, chapters 2 to 5,
 // appendices 2 and 3; [errata An] are in device/errata.md.
 //
 //     constexpr auto go = yako::motion_code::move(yako::positioning::absolute); // for 0027h

@@ -92,7 +92,7 @@ template <class Line> class drive : public facade<model, Line> {
         return a;
     }
 
-    /// Of the wheels that `end` waits for.
+    /// Where the wheels have come to for which `end` waits.
     constexpr zlac8015d::arrival arrival(const wait_wheels_reached& end) const { return arrival(end.which); }
     constexpr zlac8015d::arrival arrival(const wait_reached&) const { return arrival(); }
 

@@ -19,7 +19,7 @@ namespace servobus::zlac8015d {
 /// Where the last move of the wheels has come to.
 struct arrival {
     arrival_state how = arrival_state::none;
-    stop_cause cause = stop_cause::unknown; ///< of `stopped_short`
+    stop_cause cause = stop_cause::unknown; ///< why it `stopped_short`
     distance left_missing{};                ///< from the left wheel's position to its target
     distance right_missing{};
 };
@@ -257,7 +257,7 @@ class model {
                               const settings& known) {
         const auto wheel = static_cast<unsigned>(c.which);
         const bool is_relative = known.mode == operating_mode::relative_position;
-        const std::uint16_t* target = c.arguments.words; // of the first wheel that moves
+        const std::uint16_t* target = c.arguments.words; // the first wheel that moves
         for (std::size_t i = 0; i < 2; ++i) {
             if ((wheel & (1u << i)) == 0) continue;
             goal_[i] = pair(target) + (is_relative ? pair(words.data() + routines::before_word + 2 * i) : 0u);

@@ -70,7 +70,7 @@ struct prepared_command {
     wheels which = wheels::none; ///< that a move moves
     errc refusal = errc::ok;
     stop_priority stop = stop_priority::no_stop; ///< a stop is sent in any state and replaces another command
-    duration limit{};                            ///< of a wait
+    duration limit{};                            ///< for a wait
 };
 
 namespace detail {

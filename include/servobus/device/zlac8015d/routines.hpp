@@ -186,7 +186,7 @@ inline constexpr step move_left[] = {
     steps::same_drive(), left_must_stand, must_be_enabled, fetch_state, write_left_position, start_left, steps::same_drive()};
 inline constexpr step move_right[] = {
     steps::same_drive(), right_must_stand, must_be_enabled, fetch_state, write_right_position, start_right, steps::same_drive()};
-inline constexpr std::uint8_t start_step = 5; ///< of the moves
+inline constexpr std::uint8_t start_step = 5; ///< in the routine of each move
 
 inline constexpr step ramps[] = {
     steps::set_arguments<left_acceleration_time, right_acceleration_time, left_deceleration_time, right_deceleration_time>()};
