@@ -17,6 +17,9 @@ CHANGES = {
     "include/servobus/sim/line.hpp": [
         ("        if (!is_sending()) begin_request(out.size());\n",
          "        ::recorder::request(out.data(), out.size());\n        if (!is_sending()) begin_request(out.size());\n"),
+        ("    void wait(duration longest) {\n",
+         "    void wait(duration longest) {\n"
+         "        if (arrived_ != 0 || is_unplugged_ || longest.us == 0) pass(settings_.poll.us);\n"),
         ("    instant now() {\n        pass(settings_.poll.us);\n",
          "    ::recorder::clock_use use_;\n    instant now() {\n"
          "        if (use_.takes_time(time_)) pass(settings_.poll.us);\n"),
