@@ -318,7 +318,7 @@ TEST_CASE("G22: values that were read in a word order which the drive no longer 
     r.loop(500);
     const std::uint8_t low_first[]{0, 1};
     REQUIRE(r.lift_model.write(yako::pair_word_order.address, words_view{low_first}) ==
-            0); // by somebody else
+            0);  // by somebody else
     r.loop(250); // two readings
     REQUIRE(r.p.lift.begin(yako::init{}) == errc::ok);
     unsigned given = 0;
