@@ -3,7 +3,7 @@
 # SPDX-License-Identifier: BSL-1.0
 #
 # Compares which requests the tests of drives and buses send with those of another revision, test case by test case: for
-# changes that are to change none. The simulated clocks stand while a program only asks for the time, so that a call of
+# changes that are to change none. The simulated clocks do not advance while a program only asks for the time, so that a call of
 # `now()` more or less makes no difference. Installs missing packages first (Debian, Ubuntu).
 #   sh tests/requests.sh REVISION [ARGUMENT...]
 #   FOLDER     keeps copies, builds and records, /var/tmp/servobus-requests if not set: the next run builds what has changed

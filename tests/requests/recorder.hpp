@@ -12,7 +12,7 @@ namespace recorder {
 /// A request leaves, or a part of one that is taken byte by byte.
 void request(const std::uint8_t* data, std::size_t size);
 
-/// Whether a clock that is asked for the time goes on by that: it stands, unless it was asked often at the same time, so
+/// Tells a simulated clock whether being asked for the time takes time: only if it was asked often at the same time, so
 /// that a loop that only asks ends.
 class clock_use {
   public:

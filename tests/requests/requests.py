@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: The servobus authors
 # SPDX-License-Identifier: BSL-1.0
-"""Records which requests the tests send, in a copy of a tree whose simulated clocks stand while a program only asks for
+"""Records which requests the tests send, in a copy of a tree whose simulated clocks do not advance while a program only asks for
 the time, and compares two records. See tests/requests.sh."""
 import os
 import shutil

@@ -49,6 +49,14 @@ struct rig : tests::wheels_and_lift {
     template <class Drive, class Wanted> routine_status command(Drive& drive, const Wanted& wanted) {
         return p.command(drive, wanted);
     }
+    /// The lift is at 300 pulses, and its position was read.
+    void place_lift() {
+        REQUIRE(command(p.lift, yako::init{}));
+        REQUIRE(command(p.lift, yako::enable{}));
+        REQUIRE(command(p.lift, yako::declare_position{300 * pulse}));
+        loop(500);
+        REQUIRE(p.all.latest<2>(milliseconds(200))->get<yako::actual_position>() == 300 * pulse);
+    }
     void drive_wheels() {
         REQUIRE(command(p.wheels, zlac8015d::init{}));
         REQUIRE(command(p.lift, yako::init{}));
@@ -288,11 +296,7 @@ TEST_CASE("G21, G22: a lost port invalidates all cached settings and the word or
 
 TEST_CASE("G36: values of before a lost port are not given once the drive is known again") {
     rig r;
-    REQUIRE(r.command(r.p.lift, yako::init{}));
-    REQUIRE(r.command(r.p.lift, yako::enable{}));
-    REQUIRE(r.command(r.p.lift, yako::declare_position{300 * pulse}));
-    r.loop(500);
-    REQUIRE(r.p.all.latest<2>(milliseconds(200))->get<yako::actual_position>() == 300 * pulse);
+    r.place_lift();
     r.wire.unplug();
     r.loop(30);
     r.lift_model.power_cycle();
@@ -312,13 +316,10 @@ TEST_CASE("G36: values of before a lost port are not given once the drive is kno
 TEST_CASE("G22: values that were read in a word order which the drive no longer has are not given once that "
           "is known") {
     rig r;
-    REQUIRE(r.command(r.p.lift, yako::init{}));
-    REQUIRE(r.command(r.p.lift, yako::enable{}));
-    REQUIRE(r.command(r.p.lift, yako::declare_position{300 * pulse}));
-    r.loop(500);
+    r.place_lift();
     const std::uint8_t low_first[]{0, 1};
     REQUIRE(r.lift_model.write(yako::pair_word_order.address, words_view{low_first}) ==
-            0);  // by somebody else
+            0);  // by another client
     r.loop(250); // two readings
     REQUIRE(r.p.lift.begin(yako::init{}) == errc::ok);
     unsigned given = 0;

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// What a ZLAC8015D facade makes of single words: a shaft without power in each mode, a wheel that begins late, targets
+// Gives single words to the model of a ZLAC8015D: a shaft without power in each mode, a wheel that begins late, targets
 // of before an enable, and a move that failed when nothing is known of the drive.
 #include <array>
 #include <cstdint>

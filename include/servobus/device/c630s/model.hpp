@@ -285,6 +285,7 @@ class model {
         c = set_up_.take_over(w[record_word] == detail::as_word(fault_record::ninth_last));
         return errc::ok;
     }
+
     static constexpr void begin_move(motion_under_way& motion, slice<const std::uint16_t> words,
                                      const settings& known) {
         using namespace routines;

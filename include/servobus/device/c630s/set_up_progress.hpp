@@ -30,7 +30,7 @@ template <const auto& R> constexpr bool may_have_written(routine table, const ro
 }
 } // namespace detail
 
-/// Each function returns the routine that follows; without steps if nothing does.
+/// The functions that return a prepared command return what follows; it has no steps if nothing does.
 class set_up_progress {
   public:
     /// An `init` has read its words: the blocks follow. `awaits_power_cycle`: by the mark of a set-up before.
