@@ -369,7 +369,7 @@ template <class Line> class drive : public servobus::facade<model, Line> {
     constexpr winch::arrival arrival(const servobus::wait_reached&) const { return arrival(); }
     constexpr winch::arrival arrival() const {
         if (this->state() == drive_state::needs_init) return {};
-        winch::arrival a = this->model_.arrival_of(this->image(), this->since_start());
+        winch::arrival a = this->model().arrival_of(this->image(), this->since_start());
         if (a.how == servobus::arrival_state::stopped_short) a.cause = this->cause();
         return a;
     }

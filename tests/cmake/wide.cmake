@@ -57,6 +57,10 @@ check(sim.all LABELS sim COST 70 COMMAND sh tests/sim.sh --seeds 1000)
 check(sim.sanitizers LABELS sim COST 100 COMMAND sh tests/sim.sh --seeds 96
       ENVIRONMENT CXX=clang++ "CXXFLAGS=-fsanitize=address,undefined -fno-sanitize-recover=all -fno-sanitize=null,alignment,vptr,object-size,function")
 check(fuzz.all LABELS fuzz COST 70 ENVIRONMENT SEED=1 JOBS=1 COMMAND sh fuzz/run.sh 2)
+# The lines that mutants and planted defects change are still there.
+check(sim.defects LABELS sim COMMAND ${python} tests/sim/defects.py --list)
+check(mutants.survivors LABELS unit COST 5 COMMAND ${python} tests/mutate/mutate.py --list --mutants 1)
+check(mutants.meaning LABELS unit COST 5 COMMAND ${python} tests/mutate/mutate.py --meaning --list)
 
 # Small cores, and figures
 check(target.ports LABELS target COST 60 COMMAND sh tests/ports.sh)

@@ -86,8 +86,8 @@ template <class Line> class drive : public facade<model, Line> {
     drive(Line& on, const Node& at, duration feedback = {}) : base{on, at, feedback, no_command_timeout} {}
 
     using base::words, base::check_feedback;
-    unsigned done() const { return this->model_.done; }
-    unsigned failed() const { return this->model_.failed; }
+    unsigned done() const { return this->model().done; }
+    unsigned failed() const { return this->model().failed; }
 };
 
 } // namespace bare

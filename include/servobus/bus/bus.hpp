@@ -45,10 +45,7 @@ class bus : detail::cyclic_reads<Plan, Line, Drives...> {
     constexpr explicit bus(Line& on, Drives&... drives) : reads{on, drives...} {
         check(std::make_index_sequence<sizeof...(Drives)>{});
         on.follow(&detail::step_beside<Plan, Line>);
-        drives_.each([&on](std::size_t i, auto& drive) {
-            scheduling::adopt(drive, on, Plan.controlled[i], Plan.rules().stop_every, Plan.retry_period(),
-                              Plan.longest_response());
-        });
+        drives_.each([this](std::size_t i, auto& drive) { adopt(drive, Plan.controlled[i]); });
     }
     bus(const bus&) = delete; // an exchange refers to its buffers
     bus& operator=(const bus&) = delete;
@@ -62,13 +59,13 @@ class bus : detail::cyclic_reads<Plan, Line, Drives...> {
         const auto note = [&idle](duration own) { idle = shorter_of(idle, own); };
         // Stops are stepped before another frame begins to leave.
         drives_.each([&](std::size_t, auto& drive) {
-            if (scheduling::has_stop(drive)) note(drive.step());
+            if (drive.machine().wants_stop()) note(drive.step());
         });
         // Frames on the wire are stepped before the line counts as free: the program may have stalled since. Twice: a
         // request that is found to have left only now may have its response already.
         for (int twice = 0; twice < 2; ++twice) {
             drives_.each([&](std::size_t, auto& drive) {
-                if (scheduling::is_on_the_wire(drive)) note(drive.step());
+                if (drive.machine().is_on_the_wire()) note(drive.step());
             });
             if (this->is_read_on_the_wire()) note(this->step_reads());
         }
@@ -79,7 +76,7 @@ class bus : detail::cyclic_reads<Plan, Line, Drives...> {
         });
         if (oldest == reads_number) note(this->step_reads());
         drives_.each([&](std::size_t i, auto& drive) {
-            if (i != oldest && !scheduling::is_on_the_wire(drive)) note(drive.step());
+            if (i != oldest && !drive.machine().is_on_the_wire()) note(drive.step());
         });
         if (oldest != reads_number && !this->is_read_on_the_wire()) note(this->step_reads());
         return idle;
@@ -100,13 +97,16 @@ class bus : detail::cyclic_reads<Plan, Line, Drives...> {
             is_own = is_own || static_cast<const void*>(&own) == static_cast<const void*>(&drive);
         });
         if (!is_own) return routine_status{errc::bad_argument};
-        const errc refusal = scheduling::begin_to_wait(drive, wanted);
+        const errc refusal = drive.machine().note_refusal(drive.begin(wanted));
         if (refusal != errc::ok) return routine_status{refusal};
         const bool has_ended = run_while([&] {
-            scheduling::note_wait(drive);
+            drive.machine().note_command(line_->now());
             return !drive.is_idle();
         });
-        if (!has_ended) scheduling::give_up(drive, errc::clock_stopped);
+        if (!has_ended) {
+            drive.machine().give_up(errc::clock_stopped, line_->now());
+            drive.machine().notify(*line_);
+        }
         return drive.last();
     }
     /// Blocking: runs a move of one drive and waits for its end. Returns what `drive.run(move, end)` does.
@@ -157,6 +157,15 @@ class bus : detail::cyclic_reads<Plan, Line, Drives...> {
                       "a bus has the controlled drives of its plan, in their order, and no others");
     }
 
+    template <class Drive> constexpr void adopt(Drive& drive, const supervised_node& as) {
+        auto& machine = drive.machine();
+        const bool is_here = &drive.line() == line_;
+        if (is_here) machine.follow_plan(); // also a refused one: its stops are read back
+        if (!is_here || drive.address() != as.address) return machine.refuse();
+        machine.adopt(as, Plan.rules().stop_every, Plan.retry_period(), Plan.longest_response(),
+                      line_->now());
+    }
+
     // --- The next frame
 
     constexpr std::size_t longest_waiting() {
@@ -168,7 +177,7 @@ class bus : detail::cyclic_reads<Plan, Line, Drives...> {
             oldest = party;
             lowest = ticket;
         };
-        drives_.each([&](std::size_t i, const auto& drive) { look(i, scheduling::ticket(drive)); });
+        drives_.each([&](std::size_t i, const auto& drive) { look(i, drive.machine().ticket()); });
         if (this->is_read_waiting()) look(reads_number, this->read_ticket());
         if constexpr (Plan.requested != 0) look(others_number, line_->others().take_waiting());
         return oldest;
@@ -188,7 +197,7 @@ class bus : detail::cyclic_reads<Plan, Line, Drives...> {
             bool is_any = false;
             duration idle{};
             drives_.each([&](std::size_t, auto& drive) {
-                if (!scheduling::is_on_the_wire(drive)) return;
+                if (!drive.machine().is_on_the_wire()) return;
                 is_any = true;
                 idle = drive.step();
             });

@@ -15,7 +15,7 @@
 
 #include <servobus/client/node.hpp>
 #include <servobus/control/image.hpp>
-#include <servobus/control/scheduling.hpp>
+#include <servobus/control/supervised_node.hpp>
 #include <servobus/control/supervision.hpp>
 #include <servobus/registers/block.hpp>
 

@@ -446,6 +446,7 @@ TEST_CASE("G19, G26: stops that are repeated to an absent drive alternate with t
     bool has_read = true;
     for (std::size_t i = seen; i < r.requests.size(); ++i) {
         const seen_frame& f = r.requests[i];
+        if (f.data.size() < 8) break; // it is still leaving
         const bool is_to_wheels = f.data[0] == 1;
         if (is_to_wheels) {
             if (last_to_wheels != 0) longest = std::max(longest, f.begin - last_to_wheels);

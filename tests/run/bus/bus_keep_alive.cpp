@@ -177,7 +177,7 @@ TEST_CASE(
         all.run_for(milliseconds(30 + 40 * offset));
         const std::uint64_t ordered = wire.time_us();
         REQUIRE(wheels.begin(zlac8015d::quick_stop{}) == errc::ok);
-        while (scheduling::has_stop(wheels)) {
+        while (wheels.machine().wants_stop()) {
             const duration idle = all.step();
             wire.wait(idle.us == 0 ? microseconds(1) : idle);
         }

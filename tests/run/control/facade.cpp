@@ -235,7 +235,7 @@ TEST_CASE("G25: a stop that could not be sent keeps its priority until it can") 
         const std::uint64_t end = r.port.time + 1'000'000;
         while (r.port.frames.empty() && r.port.time < end) {
             r.turn();
-            was_urgent = was_urgent || scheduling::has_stop(r.drive);
+            was_urgent = was_urgent || r.drive.machine().wants_stop();
         }
         CHECK(was_urgent);
         CHECK(r.halts() == 1);
@@ -250,7 +250,7 @@ TEST_CASE("G25: a stop that does not read back is tried again with the priority 
     unsigned urgent_halts = 0;
     while (!r.drive.is_idle()) {
         const std::size_t before = r.halts();
-        was_urgent = was_urgent || scheduling::has_stop(r.drive);
+        was_urgent = was_urgent || r.drive.machine().wants_stop();
         r.turn();
         if (r.halts() != before) {
             urgent_halts += was_urgent ? 1u : 0u;

@@ -270,13 +270,13 @@ TEST_CASE("G25: a stop that replaces a waiting step is sent in the next loop ite
     CHECK_FALSE(r.machine.is_idle());
     (void)r.machine.step(); // the line has not been quiet for t3.5 yet
     CHECK(r.wire.requests() == 1);
-    CHECK(scheduling::has_stop(r.machine));
+    CHECK(r.machine.machine().wants_stop());
     r.wire.wait(milliseconds(200));
     r.begin(stop, stop_priority::disable);
-    CHECK(scheduling::has_stop(r.machine));
+    CHECK(r.machine.machine().wants_stop());
     (void)r.machine.step();
     CHECK(r.on.is_sending());
-    CHECK_FALSE(scheduling::has_stop(r.machine));
+    CHECK_FALSE(r.machine.machine().wants_stop());
 }
 
 TEST_CASE(

@@ -29,7 +29,7 @@ template <class Model, class Line> class planted : public facade<Model, Line> {
 
     winch::arrival arrival() const {
         if (this->state() == drive_state::needs_init) return {};
-        return this->model_.arrival_of(this->image(), this->since_start());
+        return this->model().arrival_of(this->image(), this->since_start());
     }
     result<winch::feedback> feedback(duration oldest) const {
         if (const errc why = this->check_feedback(oldest); why != errc::ok) return why;

@@ -13,7 +13,6 @@
 #include <servobus/bus/detail/drive_list.hpp>
 #include <servobus/bus/detail/read_order.hpp>
 #include <servobus/bus/plan.hpp>
-#include <servobus/control/scheduling.hpp>
 #include <servobus/core/epoch.hpp>
 #include <servobus/core/status.hpp>
 #include <servobus/modbus/exchange.hpp>
@@ -45,7 +44,7 @@ template <const auto& Plan, class Line, class... Drives> class cyclic_reads {
             return longest_idle;
         } else {
             // The program may have stalled since the read was begun.
-            if (is_read_waiting() && !may_be_read(reading_)) {
+            if (is_read_waiting() && !is_known(reading_)) {
                 line_->abandon(exchange_);
                 reading_ = none;
             }
@@ -62,8 +61,8 @@ template <const auto& Plan, class Line, class... Drives> class cyclic_reads {
     // Drops the values of reads whose drive is not known any more. Such a read is due as soon as it is known again.
     constexpr void drop_values_of_lost_drives() {
         if constexpr (Plan.drives != 0) {
-            drives_.each([this](std::size_t k, auto& drive) {
-                if (!has_reads.of[k] || scheduling::may_be_read(drive)) return;
+            drives_.each([this](std::size_t k, const auto& drive) {
+                if (!has_reads.of[k] || is_known(drive)) return;
                 for (std::size_t i = 0; i < size; ++i) {
                     if (Plan.polls[i].node_address != Plan.controlled[k].address) continue;
                     states_[i].has_values = false;
@@ -158,15 +157,13 @@ template <const auto& Plan, class Line, class... Drives> class cyclic_reads {
             if (k == own) call(drive);
         });
     }
-    // True if the node may be read: it has no facade, or one that knows of no restart.
-    constexpr bool may_be_read(std::size_t i) {
-        bool may = true;
-        with_drive_of(i, [&](auto& drive) { may = scheduling::may_be_read(drive); });
-        return may;
+    template <class Drive> constexpr bool is_known(const Drive& drive) const {
+        return drive.machine().is_known(line_->now(), line_->epoch(drive.address()).losses);
     }
+    // The node may be read, and its values count: it has no facade, or one that knows of no restart.
     constexpr bool is_known(std::size_t i) const {
         bool is = true;
-        with_drive_of(i, [&](const auto& drive) { is = scheduling::is_known(drive); });
+        with_drive_of(i, [&](const auto& drive) { is = is_known(drive); });
         return is;
     }
     // The word order of a read's values; without 32-bit values there is none.
@@ -215,7 +212,7 @@ template <const auto& Plan, class Line, class... Drives> class cyclic_reads {
                 next = shorter_of(next, ahead);
             } else if (is_asked_less(i, now) && since(last_retry_, now) < Plan.rules().retry_every) {
                 next = shorter_of(next, Plan.rules().retry_every - since(last_retry_, now));
-            } else if (!may_be_read(i)) {
+            } else if (!is_known(i)) {
                 is_any_lost = true;
             } else if (best == none || since(s.due, now) > waited) {
                 best = i;

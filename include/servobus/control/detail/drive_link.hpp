@@ -28,10 +28,14 @@ template <bool HasWatchdog> class drive_link {
     constexpr duration watchdog() const { return watchdog_; }
     constexpr duration& watchdog() { return watchdog_; }
 
+    /// The drive is heard, and the port was not lost since the last `take_loss`.
+    constexpr bool holds(instant now, std::uint8_t losses) const {
+        return losses_ == losses && !is_expired() && !is_overdue(now);
+    }
     /// True once after each loss of the port.
-    constexpr bool take_loss(epoch now) {
-        if (losses_ == now.losses) return false;
-        losses_ = now.losses;
+    constexpr bool take_loss(std::uint8_t losses) {
+        if (losses_ == losses) return false;
+        losses_ = losses;
         return true;
     }
     constexpr void expire() { is_expired_ = true; }
@@ -53,13 +57,16 @@ template <bool HasWatchdog> class drive_link {
     }
     /// No request without a response since the last check.
     constexpr bool is_verified(epoch at) const { return !is_check_required_ && epoch_ == at; }
-    /// The witness is being read.
-    constexpr void begin_check(epoch at) { asked_ = at; }
+    /// A frame is loaded.
+    constexpr void ask(const epoch& at) {
+        asked_.misses = at.misses; // as a whole by memcpy
+        asked_.losses = at.losses;
+    }
     constexpr void end_check() { is_check_required_ = false; }
     /// It was unchanged.
-    constexpr void verify(instant now) { verify(asked_, now); }
-    constexpr void verify(const epoch& at, instant now) {
-        epoch_ = {at.misses, at.losses}; // as a whole by memcpy
+    constexpr void verify(instant now) {
+        epoch_.misses = asked_.misses;
+        epoch_.losses = asked_.losses;
         checked_ = now;
         is_check_required_ = false;
     }
@@ -73,7 +80,7 @@ template <bool HasWatchdog> class drive_link {
     instant heard_{};   // when the last request that got a response began to leave
     instant checked_{};
     epoch epoch_{}; // in which the settings were verified
-    epoch asked_{}; // when the witness in flight was asked for
+    epoch asked_{}; // when the frame in flight was loaded
 };
 
 } // namespace servobus::detail

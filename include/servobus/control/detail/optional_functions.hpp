@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Checks that the optional functions of a drive's model have the form in which the facade calls them: one of another
-// form would never be called. control/facade.hpp includes it.
+// Reads what a drive's model may leave out, and checks that its optional functions have the form in which its machine
+// calls them: one of another form would never be called.
 #pragma once
 
 #include <cstdint>
@@ -60,5 +60,22 @@ template <class Model> struct optional_functions {
         }
     }
 };
+
+/// Returns true for a drive that may be energised after a restart, which is therefore stopped.
+template <class Model> consteval bool stops_after_restart() {
+    if constexpr (requires { Model::stops_after_restart; }) {
+        return Model::stops_after_restart;
+    } else {
+        return false;
+    }
+}
+/// Returns true for a command that changes where positions are counted from.
+template <class Model> constexpr bool sets_origin(const typename Model::prepared_command& c) {
+    if constexpr (requires { Model::sets_origin(c); }) {
+        return Model::sets_origin(c);
+    } else {
+        return false;
+    }
+}
 
 } // namespace servobus::detail

@@ -73,11 +73,11 @@ template <class Line> class drive : public facade<model, Line> {
     }
     /// After a start that ended `unknown`: whether the motor was found running, or more than 20 reference units
     /// from its place; `unknown` if the drive was restarted.
-    constexpr motion_check motion() const { return this->model_.motion().seen(); }
+    constexpr motion_check motion() const { return this->model().motion().seen(); }
     /// Where the last move has come to; `none` in the state `needs_init`, and for a run of several segments. It
     /// ends when `wait_reached` or `wait_standstill` has read where the motor is, or a stop is done.
     constexpr c630s::arrival arrival() const {
-        const motion_under_way& last = this->model_.motion();
+        const motion_under_way& last = this->model().motion();
         if (!this->cached().is_initialised() || !last.has_goal()) return {};
         c630s::arrival a{.how = last.how(), .missing = last.missing_at(last_feedback().position.count())};
         if (this->is_ended_by_fault(a.how)) a.how = arrival_state::stopped_short;
@@ -90,7 +90,7 @@ template <class Line> class drive : public facade<model, Line> {
 
     /// After `already_assigned`: the register that holds the function, such as `"P03-14"_p` for DI7, whose
     /// name is `c630s::catalogue.find(address)->name`; else 0.
-    constexpr std::uint16_t conflicting_terminal() const { return this->model_.conflict(); }
+    constexpr std::uint16_t conflicting_terminal() const { return this->model().conflict(); }
 
     using base::run;
     /// Runs a move and waits for its end. Returns how that was; `none` if the move did not begin, as `last` says.

@@ -65,16 +65,16 @@ template <class Device, class Line> class basic_drive : public facade<model<Devi
     /// whether the motor was found running or away from its place. `unknown` for a move that interrupts
     /// another: which of the two runs cannot be seen; and for one to zero that is over when the feedback is
     /// read, since a drive that keeps its registers over a restart may look the same [errata A55].
-    constexpr motion_check motion() const { return this->model_.motion(); }
+    constexpr motion_check motion() const { return this->model().motion(); }
     /// Where the last move has come to, by the last feedback; `none` in the state `needs_init`, for a move whose target
     /// is not known since it interrupted another, and for one beyond 2^31 pulses that ends where a counter may stop. A
     /// wired stop, a limit switch or a software limit is its cause once `wait_reached` or `wait_standstill` has read
     /// the inputs, if they are still active.
     constexpr yako::arrival arrival() const {
-        yako::arrival a = this->model_.arrival_of(this->image(), this->since_start(), this->cached());
+        yako::arrival a = this->model().arrival_of(this->image(), this->since_start(), this->cached());
         if (this->is_ended_by_fault(a.how)) a.how = arrival_state::stopped_short;
         if (a.how != arrival_state::stopped_short) return a;
-        a.cause = this->cause() != stop_cause::unknown ? this->cause() : this->model_.cause();
+        a.cause = this->cause() != stop_cause::unknown ? this->cause() : this->model().cause();
         return a;
     }
 

@@ -80,13 +80,13 @@ template <class Line> class drive : public facade<model, Line> {
     }
     /// After a move ended `unknown`: whether a wheel was found running, or more than 20 counts from its
     /// place; `unknown` if the drive was restarted.
-    constexpr motion_check motion() const { return this->model_.motion(); }
+    constexpr motion_check motion() const { return this->model().motion(); }
 
     /// Where the last move has come to, by the last feedback; `none` in the state `needs_init`, and after `init`
     /// until the next move, since a restart changes the positions.
     constexpr zlac8015d::arrival arrival(wheels which = wheels::both) const {
         if (this->state() == drive_state::needs_init) return {};
-        zlac8015d::arrival a = this->model_.arrival_of(which, this->image(), this->since_start());
+        zlac8015d::arrival a = this->model().arrival_of(which, this->image(), this->since_start());
         if (this->is_ended_by_fault(a.how)) a.how = arrival_state::stopped_short;
         if (a.how == arrival_state::stopped_short) a.cause = this->cause();
         return a;

@@ -1,0 +1,289 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// The life of a command in a drive's machine: whether it may begin, what it replaces, what its end changes of what is known
+// of the drive, which routine follows, and when a supervisor or a fault stops the drive. It sends nothing.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include <servobus/client/node.hpp>
+#include <servobus/control/detail/command_slot.hpp>
+#include <servobus/control/detail/drive_frame.hpp>
+#include <servobus/control/detail/knowledge.hpp>
+#include <servobus/control/detail/optional_functions.hpp>
+#include <servobus/control/states.hpp>
+#include <servobus/control/supervised_node.hpp>
+#include <servobus/control/supervision.hpp>
+#include <servobus/modbus/pdu.hpp>
+
+namespace servobus::detail {
+
+template <class Model, class Exchange> class command_life {
+  public:
+    using prepared_command = typename Model::prepared_command;
+    using settings = typename Model::settings;
+
+    constexpr std::uint8_t address() const { return known_.address(); }
+    constexpr const knowledge<Model>& known() const { return known_; }
+    constexpr const command_slot<Model>& slot() const { return slot_; }
+    constexpr const response_limits& limits() const { return limits_; }
+    constexpr const bus_gaps& gaps() const { return gaps_; }
+
+    /// Its settings are known, and nothing has put them in doubt until now.
+    constexpr bool is_known(instant now, std::uint8_t losses) const {
+        return known_.is_known() && known_.link().holds(now, losses);
+    }
+    /// The cached settings, if they are still valid now.
+    constexpr const settings& valid_settings(instant now, std::uint8_t losses) {
+        (void)check_link(now, losses);
+        if (known_.link().is_expired()) known_.invalidate();
+        return known_.cached();
+    }
+    /// Starts a command that was planned with `valid_settings`.
+    constexpr errc accept(prepared_command& next, instant now) {
+        const bool is_refused = is_refused_ && next.stop == stop_priority::no_stop;
+        if (address() == 0 || is_refused) return errc::bad_argument;
+        if (next.refusal != errc::ok)
+            return next.refusal == errc::wrong_state && known_.is_faulted() ? errc::faulted : next.refusal;
+        if (next.steps.empty()) return errc::bad_argument; // `no_steps` without a reason
+        if (!slot_.is_idle()) {
+            if (!slot_.yields_to(next)) return is_stopped_for_fault(next) ? errc::faulted : errc::busy;
+            if (leaves_unknown()) {
+                known_.invalidate();
+                // The frames of a stop follow from what is known.
+                if (next.stop != stop_priority::no_stop)
+                    next = Model::stop_for(next.stop, known_.cached(), false);
+            }
+        }
+        return take(next, now);
+    }
+    /// `last` says why a command was refused, unless that of the command under way is due.
+    constexpr errc note_refusal(errc refusal) {
+        if (refusal != errc::ok && slot_.is_idle()) slot_.set_report(routine_status{refusal});
+        return refusal;
+    }
+    /// Time passes: the link is checked, and a supervisor may begin a stop. True if a command has ended or begun.
+    constexpr bool pass(instant now, std::uint8_t losses) {
+        const bool has_ended = check_link(now, losses);
+        return supervise(now) || has_ended;
+    }
+    /// Ends what is under way. Its exchange may be dropped.
+    constexpr void give_up(errc why, instant now) {
+        if (slot_.is_idle()) return;
+        const bool was_written = frame_.is_step_sent(exchange_) && is_write();
+        frame_.drop();
+        slot_.run().end(why, was_written);
+        settle(now);
+    }
+
+    constexpr void note_command(instant now) { slot_.supervisors().note_command(now); }
+    constexpr void set_command_timeout(command_timeout limit, instant now) {
+        slot_.supervisors().set_limit(limit.limit(), now);
+    }
+    constexpr void repeat_stops(duration every) { slot_.supervisors().repeat_stops(every); }
+    /// It follows a plan.
+    constexpr void adopt(const supervised_node& as, duration stop_every, duration retry_every,
+                         duration longest_response, instant now) {
+        limits_ = as.limits;
+        gaps_ = as.gaps;
+        known_.polling().set_period(as.by.feedback);
+        known_.polling().absence().set_period(retry_every);
+        set_command_timeout(as.by.command_timeout, now);
+        repeat_stops(stop_every);
+        if constexpr (requires { known_.model().grant_at_most(longest_response); })
+            known_.model().grant_at_most(longest_response);
+    }
+    /// A plan has another drive in its place: it is polled no more and refuses all commands but stops.
+    constexpr void refuse() {
+        is_refused_ = true;
+        known_.polling().set_period({});
+    }
+    /// Its requests, also the stops of a refused one, are those of a plan.
+    constexpr void follow_plan() { priority_ = priority::planned; }
+
+  protected:
+    template <class Node>
+    constexpr command_life(const Node& at, duration feedback, command_timeout limit)
+        : read_retries_{at.read_retries}, known_{at.is_valid() ? at.address : std::uint8_t{0}, feedback},
+          slot_{limit.limit()}, limits_{at.limits}, gaps_{at.gaps} {}
+    ~command_life() = default;
+
+    constexpr bool is_write() const { return modbus::is_write(request_[1]); }
+
+    // Ends the command under way and stops all of the drive, for a fault of one motor too. `may_read`: a command
+    // that reads the feedback has already succeeded.
+    constexpr void stop_because(errc why, bool may_read, instant now) {
+        const bool is_read = may_read && slot_.is_at(command_kind::refresh);
+        if (is_read) {
+            slot_.set_report({});
+        } else if (!slot_.is_idle() && slot_.command().stop < Model::stop_at_fault) {
+            slot_.run().end(why, false);
+            settle(now);
+        }
+        if (slot_.is_stopping()) return;
+        stop(Model::stop_at_fault, is_read ? owner::follow_up : owner::supervisor, steps::urgent_frames, now);
+    }
+    // The routine has ended.
+    constexpr void settle(instant now) {
+        const routine_status& r = slot_.run().result();
+        if (slot_.is_setpoint_of_application()) slot_.supervisors().note_command(now);
+        const bool was_stop = slot_.is_stopping();
+        // A stop that does not read back was acknowledged by a late response to another write: once more.
+        if (!slot_.is_by(owner::follow_up) && was_stop && r.error() == errc::unexpected_value &&
+            slot_.may_try_again())
+            return begin(slot_.by(), slot_.run().urgent_left(), now);
+        if (was_stop) known_.note_cause(stop_cause::command);
+        if constexpr (requires { Model::positions; }) {
+            if (detail::sets_origin<Model>(slot_.command())) known_.forget_positions();
+        }
+        const command_kind kind = slot_.kind();
+        const routine done = slot_.command().steps;
+        const owner by = slot_.end(now);
+        const bool is_judged = !r && done[r.step].what == step::kind::confirm;
+        slot_.command().steps = no_steps; // the model puts in what follows
+        if (r) {
+            conclude_command(kind, now);
+        } else {
+            auto& model = known_.model();
+            auto& link = known_.link();
+            if constexpr (requires {
+                              model.fail(slot_.command(), done, r, link.is_expired(), known_.cached(),
+                                         link.watchdog());
+                          })
+                model.fail(slot_.command(), done, r, link.is_expired(), known_.cached(), link.watchdog());
+            known_.doubt(r, is_judged);
+            // A stop that goes on by other means ends as those do.
+            const bool goes_on =
+                !slot_.command().steps.empty() && slot_.command().stop != stop_priority::no_stop;
+            if (was_stop && goes_on && by == owner::application) slot_.set_report({});
+        }
+        // A stop that goes on keeps the urgent frames that it has left.
+        if (!slot_.command().steps.empty())
+            begin(owner::follow_up, was_stop ? slot_.run().urgent_left() : steps::urgent_frames, now);
+    }
+
+    // The bytes first: short instructions of a small core reach no further.
+    std::uint8_t read_retries_;
+    drive_frame frame_{};
+    bool is_refused_ = false;                // its bus has another drive in its place
+    priority priority_ = priority::ordinary; // of all requests but stops
+    knowledge<Model> known_;
+    Exchange exchange_{};
+    command_slot<Model> slot_;
+    response_limits limits_;
+    bus_gaps gaps_;
+    std::uint8_t request_[24]{known_.address()};
+    std::uint8_t response_[held_reading::room(Model::image.words)]{};
+
+  private:
+    // A fault's stop is under way: what would move the drive, or waits for a move, is refused for the fault.
+    constexpr bool is_stopped_for_fault(const prepared_command& next) const {
+        return slot_.is_by(owner::supervisor) && known_.cause() == stop_cause::fault &&
+               slot_.kind_of(next) != command_kind::refresh;
+    }
+    // Whether the command under way may have changed a setting already.
+    constexpr bool leaves_unknown() const {
+        const bool is_writing = frame_.is_step_sent(exchange_) && is_write();
+        return slot_.changes_settings() && (slot_.run().has_written() || is_writing);
+    }
+    [[gnu::always_inline]] constexpr errc take(prepared_command& next, instant now) {
+        auto& model = known_.model();
+        if constexpr (requires { model.admit(next, limits_, gaps_); }) {
+            if (const errc refusal = model.admit(next, limits_, gaps_); refusal != errc::ok) return refusal;
+        }
+        std::uint8_t urgent = next.stop != stop_priority::no_stop ? steps::urgent_frames : std::uint8_t{0};
+        if (next.stop == stop_priority::no_stop && slot_.is_stopping()) {
+            // A supervisor's stop: the take-over is as urgent, and if it fails the stop is repeated.
+            urgent = slot_.run().urgent_left();
+            slot_.keep_stop_open(frame_.is_step_sent(exchange_), now);
+        }
+        slot_.begin_tries();
+        slot_.count_command();
+        leave_command();
+        slot_.command() = next;
+        known_.note_origin(detail::sets_origin<Model>(next));
+        begin(owner::application, urgent, now);
+        slot_.watch(now);
+        return errc::ok;
+    }
+    // Another command takes the place of that under way.
+    constexpr void leave_command() {
+        if (!slot_.is_idle() && slot_.kind() >= command_kind::endless_motion && slot_.run().has_written())
+            known_.model().preempt(slot_.command());
+    }
+    // Of the drive's own accord. While its watchdog may have stopped it, any request may end that.
+    [[gnu::noinline]] constexpr void stop(stop_priority how, owner by, std::uint8_t urgent, instant now) {
+        leave_command();
+        slot_.command() = Model::stop_for(how, known_.cached(), known_.link().is_expired());
+        begin(by, urgent, now);
+    }
+    [[gnu::noinline]] constexpr void begin(owner by, std::uint8_t urgent, instant now) {
+        if (frame_.is_waiting(exchange_)) {
+            frame_.drop();
+        } else if (frame_.purpose() == flight::step) {
+            frame_.drain(is_write() && !slot_.run().is_at_stop());
+        }
+        slot_.begin(by, urgent, now);
+    }
+    // True if a command has ended.
+    [[gnu::always_inline]] constexpr bool check_link(instant now, std::uint8_t losses) {
+        return !known_.link().holds(now, losses) && fail_link(now, losses);
+    }
+    // A lost port makes the settings invalid, and so does the drive's watchdog when its time has passed. A request
+    // without a response makes the witness due.
+    [[gnu::noinline]] constexpr bool fail_link(instant now, std::uint8_t losses) {
+        auto& link = known_.link();
+        const bool is_lost = link.take_loss(losses);
+        if (is_lost) {
+            if (!slot_.is_stopping()) give_up(errc::port_lost, now);
+            known_.invalidate();
+        }
+        if (!link.is_expired()) {
+            if (!link.is_overdue(now)) return is_lost;
+            link.expire();
+            known_.invalidate();
+        }
+        // Also in the middle of a frame: with its response the command would go on, although nothing is known.
+        if (slot_.is_idle() || slot_.is_stopping() || slot_.run().is_at_stop()) return is_lost;
+        give_up(errc::needs_init, now);
+        return true;
+    }
+    constexpr bool supervise(instant now) {
+        known_.polling().note_age(now);
+        const auto& supervisors = slot_.supervisors();
+        if (supervisors.is_stop_due(now) && slot_.is_idle()) {
+            slot_.begin_tries();
+            stop(supervisors.open_stop(), owner::supervisor, supervisors.urgent_left(), now);
+            return true;
+        }
+        if (!slot_.has_run_out(now)) return false;
+        if (!slot_.is_idle() && leaves_unknown()) known_.invalidate();
+        stop(stop_priority::halt, owner::supervisor, slot_.give_up_to_supervisor(), now);
+        return true;
+    }
+    // The command is done.
+    constexpr void conclude_command(command_kind kind, instant now) {
+        if (is_motion(kind)) {
+            known_.note_motion(now);
+            known_.set_cause(stop_cause::unknown);
+        }
+        const bool is_stop = slot_.command().stop != stop_priority::no_stop;
+        auto& model = known_.model();
+        slot_.note_done(kind, model.learn(slot_.command(), slot_.run().words(), known_.cached()));
+        if (known_.is_known()) known_.link().watchdog() = watchdog_of<Model>(known_.cached());
+        if (kind == command_kind::setting || kind == command_kind::take_over) known_.drop_readings();
+        if constexpr (requires { model.grant(limits_); }) model.grant(limits_);
+        if (kind != command_kind::power && kind != command_kind::take_over) return;
+        known_.link().verify(now);
+        if (!known_.is_enabled() || is_stop) return;
+        bool moves = false;
+        if constexpr (requires { Model::moves_when_enabled(known_.cached()); })
+            moves = Model::moves_when_enabled(known_.cached());
+        slot_.note_enabled(moves, now);
+        known_.set_cause(stop_cause::unknown);
+    }
+};
+
+} // namespace servobus::detail

@@ -1,0 +1,24 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// What a plan says of a drive that it controls. The plan's bus gives it to the drive's machine; programs do not
+// include this.
+//
+//     constexpr supervised_node wheels{.address = 1, .by = {.feedback = milliseconds(20), .command_timeout = milliseconds(300)}};
+#pragma once
+
+#include <cstdint>
+
+#include <servobus/client/node.hpp>
+#include <servobus/control/supervision.hpp>
+
+namespace servobus {
+
+struct supervised_node {
+    std::uint8_t address = 0;
+    response_limits limits{};
+    bus_gaps gaps{};
+    supervision by = unsupervised;
+};
+
+} // namespace servobus
