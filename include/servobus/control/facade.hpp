@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// What the facades of all drives share. A facade keeps the drive's feedback as a process image, runs one
+// The facades of all drives derive from this one. A facade keeps the drive's feedback as a process image, runs one
 // command at a time, checks that the drive has not restarted, and stops it where the application or the line
 // fails: its machine decides (control/drive_machine.hpp), and the facade moves the machine's frames over a line. The
 // `drive.hpp` of each device derives from it and describes the drive by a model.
@@ -40,7 +40,7 @@ template <class Model, class Line> class facade {
     constexpr const routine_status& last() const { return machine_.slot().report(); }
     /// `faulted` if the last feedback shows a fault.
     constexpr drive_state state() const { return machine_.known().state(); }
-    /// What is known of the drive's settings.
+    /// Returns the settings as far as they are known.
     constexpr const settings& cached() const { return machine_.known().cached(); }
     /// Why the drive stopped following its last motion command; `unknown` while it follows.
     constexpr stop_cause cause() const { return machine_.known().cause(); }
@@ -114,7 +114,7 @@ template <class Model, class Line> class facade {
 
     constexpr std::uint8_t address() const { return machine_.address(); }
     constexpr Line& line() const { return *line_; }
-    /// For a bus, or a test: what is to be sent, and since when it waits.
+    /// Gives a bus, or a test, the machine: what is to be sent, and since when it waits.
     constexpr machine_type& machine() { return machine_; }
     constexpr const machine_type& machine() const { return machine_; }
 
@@ -130,11 +130,11 @@ template <class Model, class Line> class facade {
     /// command changes settings, `timeout` if it is older or none was read since.
     constexpr errc check_feedback(duration oldest) const {
         if (!machine_.known().is_known()) return errc::needs_init;
-        // It may change what values mean, or be that of a drive that has restarted.
+        // The command under way may change what values mean.
         if (machine_.slot().changes_readings()) return errc::busy;
         return machine_.known().is_young(oldest, line_->now()) ? errc::ok : errc::timeout;
     }
-    /// What the last routine fetched.
+    /// Returns what the last routine fetched.
     constexpr slice<const std::uint16_t> words() const { return machine_.slot().run().words(); }
     /// From the start of the last motion to the image; zero for an image that is older. It goes back from two minutes
     /// to one: times are not compared over a wrap of the clock.
@@ -167,7 +167,7 @@ template <class Model, class Line> class facade {
         machine_.notify(*line_);
         return refusal;
     }
-    // One copy for all commands.
+    // Runs a prepared command: one copy of code for all commands.
     routine_status run_planned(prepared_command& next) {
         if (const errc refusal = machine_.note_refusal(accept(next)); refusal != errc::ok)
             return routine_status{refusal};

@@ -83,7 +83,7 @@ template <class... Rows> constexpr step make(step::kind what, std::uint8_t slot,
     return make_of(what, slot, extents, sizeof...(rows), device::device::facts.max_write);
 }
 
-// What a step takes for `R`: a code as it is, which spares the compiler a setting, the price of five rows.
+// A step takes for `R` a code as it is, which spares the compiler a setting, the price of five rows.
 template <const auto& R, class T = typename servobus::row_type<R>::value_type>
 using constant_of = std::conditional_t<servobus::wire_integer<T>, register_value<R>, T>;
 template <const auto& R> constexpr std::uint16_t word_of(const constant_of<R>& value) {

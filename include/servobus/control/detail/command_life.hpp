@@ -31,7 +31,7 @@ template <class Model, class Exchange> class command_life {
     constexpr const response_limits& limits() const { return limits_; }
     constexpr const bus_gaps& gaps() const { return gaps_; }
 
-    /// Its settings are known, and nothing has put them in doubt until now.
+    /// True if the settings are known and nothing has put them in doubt until now.
     constexpr bool is_known(instant now, std::uint8_t losses) const {
         return known_.is_known() && known_.link().holds(now, losses);
     }
@@ -69,7 +69,7 @@ template <class Model, class Exchange> class command_life {
         const bool has_ended = check_link(now, losses);
         return supervise(now) || has_ended;
     }
-    /// Ends what is under way. Its exchange may be dropped.
+    /// Ends the command under way with an error. The exchange may be dropped.
     constexpr void give_up(errc why, instant now) {
         if (slot_.is_idle()) return;
         const bool was_written = frame_.is_step_sent(exchange_) && is_write();
@@ -83,7 +83,7 @@ template <class Model, class Exchange> class command_life {
         slot_.supervisors().set_limit(limit.limit(), now);
     }
     constexpr void repeat_stops(duration every) { slot_.supervisors().repeat_stops(every); }
-    /// It follows a plan.
+    /// Takes over what a plan states for the drive.
     constexpr void adopt(const supervised_node& as, duration stop_every, duration retry_every,
                          duration longest_response, instant now) {
         limits_ = as.limits;
@@ -100,7 +100,7 @@ template <class Model, class Exchange> class command_life {
         is_refused_ = true;
         known_.polling().set_period({});
     }
-    /// Its requests, also the stops of a refused one, are those of a plan.
+    /// Sends all requests, also the stops of a refused drive, with a plan's priority.
     constexpr void follow_plan() { priority_ = priority::planned; }
 
   protected:
@@ -183,7 +183,7 @@ template <class Model, class Exchange> class command_life {
         return slot_.is_by(owner::supervisor) && known_.cause() == stop_cause::fault &&
                slot_.kind_of(next) != command_kind::refresh;
     }
-    // Whether the command under way may have changed a setting already.
+    // True if the command under way may have changed a setting already.
     constexpr bool leaves_unknown() const {
         const bool is_writing = frame_.is_step_sent(exchange_) && is_write();
         return slot_.changes_settings() && (slot_.run().has_written() || is_writing);
@@ -213,7 +213,8 @@ template <class Model, class Exchange> class command_life {
         if (!slot_.is_idle() && slot_.kind() >= command_kind::endless_motion && slot_.run().has_written())
             known_.model().preempt(slot_.command());
     }
-    // Of the drive's own accord. While its watchdog may have stopped it, any request may end that.
+    // Stops the drive although no command asks for it. While the drive's watchdog may have stopped it, any other request
+    // may let it go on.
     [[gnu::noinline]] constexpr void stop(stop_priority how, owner by, std::uint8_t urgent, instant now) {
         leave_command();
         slot_.command() = Model::stop_for(how, known_.cached(), known_.link().is_expired());

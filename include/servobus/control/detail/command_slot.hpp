@@ -55,7 +55,7 @@ template <class Model> class command_slot {
         return owner_ == owner::application && kind_ == command_kind::endless_motion;
     }
 
-    /// Whether a command replaces the routine under way: a stop of a higher priority, and a take-over, which begins
+    /// True if a command replaces the routine under way: a stop of a higher priority, and a take-over, which begins
     /// with every kind of stop, one of a supervisor.
     constexpr bool yields_to(const prepared_command& next) const {
         if (next.stop == stop_priority::no_stop)

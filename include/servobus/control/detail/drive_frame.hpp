@@ -1,7 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// What the frame of a drive's machine is for. Its exchange alone records what has left.
+// The purpose of a machine's frame, and what becomes of a frame whose routine is replaced. The exchange alone records what
+// has left.
 //
 //     none --load--> waiting --first byte--> on the wire --end--> none
 //     waiting --another routine--> dropped; on the wire --another routine--> drained: received, and not used
@@ -21,20 +22,20 @@ class drive_frame {
     template <class Exchange> constexpr bool is_on_the_wire(const Exchange& x) const {
         return flight_ != flight::none && x.state() != Exchange::phase::ready;
     }
-    /// The exchange is not wanted any more: the line is to abandon it.
+    /// True if the line is to abandon the exchange.
     template <class Exchange> constexpr bool is_dropped(const Exchange& x) const {
         return flight_ == flight::none && !x.done();
     }
-    /// A step of the routine has begun to leave.
+    /// True if a step of the routine has begun to leave.
     template <class Exchange> constexpr bool is_step_sent(const Exchange& x) const {
         return flight_ == flight::step && x.was_sent();
     }
 
     constexpr void begin(flight what) { flight_ = what; }
     constexpr void drop() { flight_ = flight::none; }
-    /// Another routine begins, while the frame of this one is on the wire.
+    /// Lets the frame on the wire end unused, since another routine has begun.
     constexpr void drain(bool is_trigger) { flight_ = is_trigger ? flight::drained_write : flight::drained; }
-    /// It has ended. Returns what it was for.
+    /// Ends the frame. Returns its purpose.
     constexpr flight end() {
         const flight was = flight_;
         flight_ = flight::none;

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Whether a drive responds, and whether it is still the one that the cached settings describe.
+// The link to a drive says whether the drive responds, and whether it is still the one that the cached settings describe.
 //
 //     up --no response for the time of the drive's watchdog--> expired --a response--> up
 //     verified --a request without a response, or 500 ms--> to be checked --the witness is unchanged--> verified
@@ -57,13 +57,13 @@ template <bool HasWatchdog> class drive_link {
     }
     /// No request without a response since the last check.
     constexpr bool is_verified(epoch at) const { return !is_check_required_ && epoch_ == at; }
-    /// A frame is loaded.
+    /// Notes in which epoch a frame is loaded.
     constexpr void ask(const epoch& at) {
         asked_.misses = at.misses; // as a whole by memcpy
         asked_.losses = at.losses;
     }
     constexpr void end_check() { is_check_required_ = false; }
-    /// It was unchanged.
+    /// The witness was unchanged, or a command has set the drive up: the settings are verified.
     constexpr void verify(instant now) {
         epoch_.misses = asked_.misses;
         epoch_.losses = asked_.losses;

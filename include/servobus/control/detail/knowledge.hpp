@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// What is known of a drive: its settings, what was read of it and when, whether it responds and is still the one that the
-// settings describe, why it stopped, and since when it moves. It sends nothing and begins no command.
+// The knowledge of a drive: its settings, what was read of it and when, whether it responds and is still the one that the
+// settings describe, why it stopped, and since when it moves. Nothing here sends, or begins a command.
 #pragma once
 
 #include <cstdint>
@@ -67,7 +67,7 @@ template <class Model> class knowledge {
         const auto& read = polling_.image();
         return read.has_words && !read.is_old && since(read.taken, now) <= oldest;
     }
-    /// What was read is that of other settings; it still says whether the drive has a fault.
+    /// Makes all readings old, since the settings have changed. They still say whether the drive has a fault.
     constexpr void drop_readings() {
         held_.drop();
         polling_.drop(true);
@@ -125,7 +125,7 @@ template <class Model> class knowledge {
         }
     }
 
-    /// What the last frame was for.
+    /// The purpose of the last frame.
     constexpr flight last_frame() const { return last_frame_; }
     constexpr void set_last_frame(flight was) { last_frame_ = was; }
 
@@ -137,7 +137,7 @@ template <class Model> class knowledge {
         return polling_.absence().is_absent() || (link_.is_expired() && link_.has_missed());
     }
     constexpr bool is_verified(const epoch& at) const { return is_known() && link_.is_verified(at); }
-    /// What a restart would change, while `under_way` is.
+    /// Returns the register that a restart would change, and its words, while `under_way` is.
     constexpr steps::recheck witness(const prepared_command& under_way) const {
         return model_.witness(settings_, under_way);
     }
