@@ -229,6 +229,17 @@ class model {
     static constexpr drive_state faulted = drive_state::faulted;
     /// With which kind of stop the facade answers a fault.
     static constexpr servobus::stop_priority stop_at_fault = servobus::stop_priority::disable;
+    static constexpr servobus::model_parts leaves_out{servobus::model_part::permit,
+                                                      servobus::model_part::fail,
+                                                      servobus::model_part::watchdog,
+                                                      servobus::model_part::slower,
+                                                      servobus::model_part::positions,
+                                                      servobus::model_part::is_fall,
+                                                      servobus::model_part::sets_origin,
+                                                      servobus::model_part::disable_replaces_quick_stop,
+                                                      servobus::model_part::moves_when_enabled,
+                                                      servobus::model_part::grant,
+                                                      servobus::model_part::grant_at_most};
 
     // What a command changes, and what the feedback says
 

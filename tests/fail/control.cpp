@@ -83,6 +83,8 @@ static_assert(plan_init().steps.size() != 0);
 struct short_model : zlac::model {
     static constexpr servobus::errc admit(const zlac::prepared_command&, const servobus::response_limits&,
                                           const servobus::bus_gaps&);
+    static constexpr servobus::errc permit(const zlac::prepared_command&, const std::uint16_t*,
+                                           const zlac::cached_settings&);
     static constexpr servobus::register_block image{zlac::status_word.address, 1};
 };
 enum class effect : std::uint8_t { none, moved, end };

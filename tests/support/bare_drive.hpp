@@ -45,6 +45,18 @@ class model {
     static constexpr drive_state enabled = drive_state::enabled;
     static constexpr drive_state faulted = drive_state::faulted;
     static constexpr stop_priority stop_at_fault = stop_priority::halt;
+    static constexpr model_parts leaves_out{model_part::admit,
+                                            model_part::permit,
+                                            model_part::watchdog,
+                                            model_part::slower,
+                                            model_part::positions,
+                                            model_part::is_fall,
+                                            model_part::sets_origin,
+                                            model_part::stops_after_restart,
+                                            model_part::disable_replaces_quick_stop,
+                                            model_part::moves_when_enabled,
+                                            model_part::grant,
+                                            model_part::grant_at_most};
 
     /// A command's effect is its kind.
     struct own_kinds {

@@ -45,7 +45,7 @@ class bus : detail::cyclic_reads<Plan, Line, Drives...> {
     constexpr explicit bus(Line& on, Drives&... drives) : reads{on, drives...} {
         check(std::make_index_sequence<sizeof...(Drives)>{});
         on.follow(&detail::step_beside<Plan, Line>);
-        drives_.each([this](std::size_t i, auto& drive) { adopt(drive, Plan.controlled[i]); });
+        drives_.each([this](std::size_t i, auto& drive) { this->adopt(drive, Plan.controlled[i]); });
     }
     bus(const bus&) = delete; // an exchange refers to its buffers
     bus& operator=(const bus&) = delete;

@@ -17,8 +17,10 @@
 
 #include <servobus/client/node.hpp>
 #include <servobus/control/common_commands.hpp>
+#include <servobus/control/detail/optional_functions.hpp>
 #include <servobus/control/drive_machine.hpp>
 #include <servobus/control/drive_traits.hpp>
+#include <servobus/control/model_parts.hpp>
 #include <servobus/control/states.hpp>
 #include <servobus/control/supervision.hpp>
 #include <servobus/line/line.hpp>
@@ -196,14 +198,7 @@ template <class Model, class Line> class facade {
 
     static_assert(Model::kinds.is_complete(),
                   "an effect has no kind: each is listed in the `kinds` of the model");
-    static_assert(detail::optional_functions<Model>::admit(),
-                  "`admit` of the model has another form than device/README.md");
-    static_assert(detail::optional_functions<Model>::fail(),
-                  "`fail` of the model has another form than device/README.md");
-    static_assert(detail::optional_functions<Model>::permit(),
-                  "`permit` of the model has another form than device/README.md");
-    static_assert(detail::optional_functions<Model>::watchdog(),
-                  "`watchdog` of the model has another form than device/README.md");
+    static_assert(detail::has_right_parts<Model>());
     static_assert(Model::image.words != 0, "the feedback of a model is at least one register");
     static_assert(Model::image.words <= steps::longest, "the feedback of a model is at most 11 registers");
 };

@@ -14,6 +14,7 @@
 
 namespace servobus {
 
+/// A drive with a facade, as a plan has it.
 struct supervised_node {
     std::uint8_t address = 0;
     response_limits limits{};

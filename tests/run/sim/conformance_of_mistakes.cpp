@@ -98,7 +98,7 @@ template <winch::effect Wrong> struct is_of_kind_other : winch::model {
     static constexpr own_kinds kinds{};
 };
 /// As if the plan of each command with this effect left out its `then`.
-template <winch::effect Effect> struct leaves_out : is_of_kind_other<Effect> {
+template <winch::effect Effect> struct forgets_effect : is_of_kind_other<Effect> {
     constexpr errc learn(prepared_command& c, slice<const std::uint16_t> words,
                          winch::cached_settings& known) {
         return c.then == Effect ? errc::ok : winch::model::learn(c, words, known);
@@ -209,8 +209,8 @@ TEST_CASE("a motion without an end is none for the command timeout") {
     CHECK(has(broken_by<is_of_kind_other<winch::effect::turned>>(), "G20"));
 }
 TEST_CASE("a command that leaves out its effect") {
-    CHECK(has(broken_by<leaves_out<winch::effect::enabled>>(), "G35"));
-    CHECK(has(broken_by<leaves_out<winch::effect::moved>>(), "G29"));
+    CHECK(has(broken_by<forgets_effect<winch::effect::enabled>>(), "G35"));
+    CHECK(has(broken_by<forgets_effect<winch::effect::moved>>(), "G29"));
 }
 TEST_CASE("the state after a disable") { CHECK(has(broken_by<learns_no_disable>(), "G35")); }
 TEST_CASE("the stop of a supervisor stops nothing") { CHECK(has(broken_by<stops_nothing>(), "G20")); }

@@ -14,6 +14,7 @@
 
 #include <servobus/control/command_kinds.hpp>
 #include <servobus/control/facade.hpp>
+#include <servobus/control/model_parts.hpp>
 #include <servobus/control/slower_blocks.hpp>
 #include <servobus/device/c630s/commands.hpp>
 #include <servobus/device/c630s/feedback.hpp>
@@ -50,6 +51,7 @@ class model {
     static constexpr drive_state enabled = drive_state::enabled;
     static constexpr drive_state faulted = drive_state::faulted;
     static constexpr stop_priority stop_at_fault = stop_priority::disable;
+    static constexpr model_parts leaves_out{model_part::watchdog};
     /// Between the restart and the reading that finds it, a command may have switched the servo on.
     static constexpr bool stops_after_restart = true;
     /// A quick stop may wait for a standstill that does not come, and a servo-off does not stop a motor whose

@@ -15,6 +15,7 @@
 
 #include <servobus/control/command_kinds.hpp>
 #include <servobus/control/facade.hpp>
+#include <servobus/control/model_parts.hpp>
 #include <servobus/device/yako/motion.hpp>
 #include <servobus/device/yako/parameters.hpp>
 
@@ -42,6 +43,11 @@ template <class Device> class model {
     static constexpr drive_state faulted = drive_state::faulted;
     /// The shaft stays held: a release would let a load fall.
     static constexpr stop_priority stop_at_fault = stop_priority::halt;
+    static constexpr model_parts leaves_out{
+        model_part::watchdog,           model_part::slower,
+        model_part::positions,          model_part::disable_replaces_quick_stop,
+        model_part::moves_when_enabled, model_part::grant,
+        model_part::grant_at_most};
 
     static constexpr auto kinds =
         command_kinds<effect>{}

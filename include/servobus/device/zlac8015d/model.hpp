@@ -12,6 +12,7 @@
 
 #include <servobus/control/command_kinds.hpp>
 #include <servobus/control/facade.hpp>
+#include <servobus/control/model_parts.hpp>
 #include <servobus/device/zlac8015d/commands.hpp>
 
 namespace servobus::zlac8015d {
@@ -41,6 +42,14 @@ class model {
     static constexpr settings unknown{};
     /// A fault of one wheel stops both.
     static constexpr stop_priority stop_at_fault = stop_priority::disable;
+    static constexpr model_parts leaves_out{model_part::permit,
+                                            model_part::slower,
+                                            model_part::positions,
+                                            model_part::stops_after_restart,
+                                            model_part::disable_replaces_quick_stop,
+                                            model_part::moves_when_enabled,
+                                            model_part::grant,
+                                            model_part::grant_at_most};
     static constexpr drive_state faulted = drive_state::faulted;
 
     static constexpr auto kinds =
