@@ -25,6 +25,7 @@ struct part_names {
 template <class Model> struct with_part_names : Model, part_names {};
 
 template <class Model, class Both = with_part_names<Model>> consteval bool has_part(model_part which) {
+    // NOLINTBEGIN(bugprone-branch-clone): the names differ
     switch (which) {
     case model_part::admit: return !requires { &Both::admit;
         };
@@ -53,6 +54,7 @@ template <class Model, class Both = with_part_names<Model>> consteval bool has_p
     case model_part::grant_at_most: return !requires { &Both::grant_at_most;
         };
     }
+    // NOLINTEND(bugprone-branch-clone)
     return false;
 }
 /// Returns true if the model either defines the part or leaves it out by name.
