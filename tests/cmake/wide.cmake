@@ -59,7 +59,6 @@ check(sim.sanitizers LABELS sim COST 100 COMMAND sh tests/sim.sh --seeds 96
 check(fuzz.all LABELS fuzz COST 70 ENVIRONMENT SEED=1 JOBS=1 COMMAND sh fuzz/run.sh 2)
 # The lines that mutants and planted defects change are still there.
 check(sim.defects LABELS sim COMMAND ${python} tests/sim/defects.py --list)
-check(mutants.survivors LABELS unit COST 5 COMMAND ${python} tests/mutate/mutate.py --list --mutants 1)
 check(mutants.meaning LABELS unit COST 5 COMMAND ${python} tests/mutate/mutate.py --meaning --list)
 
 # Small cores, and figures
