@@ -124,6 +124,16 @@ TEST_CASE("S3, G20: a read that waits for the line, or is being sent, does not l
     }
 }
 
+TEST_CASE("G21: after a pause in which the wheels' watchdog has struck their values count no more, before "
+          "the next step") {
+    rig r;
+    r.drive_wheels();
+    r.run(1000);
+    REQUIRE(r.all.latest<0>(milliseconds(500)));
+    r.stand_still();
+    CHECK(r.all.latest<0>(milliseconds(10'000)).error() == errc::needs_init);
+}
+
 TEST_CASE(
     "S3, G20: the frame of a command does not let stopped wheels move on, whenever the program paused") {
     for (unsigned turns = 0; turns < 240; ++turns) {
