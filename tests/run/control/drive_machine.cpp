@@ -26,7 +26,7 @@ struct hand {
     unsigned announced = 0;
     unsigned abandoned = 0;
 
-    // What a machine asks of its line.
+    // The four calls that a machine makes on its line.
     constexpr servobus::epoch epoch(std::uint8_t) const { return in; }
     constexpr const modbus::rtu_timing& timing() const { return at_115200; }
     constexpr void abandon(modbus::exchange& x) {

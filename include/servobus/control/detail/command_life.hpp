@@ -31,7 +31,7 @@ template <class Model, class Exchange> class command_life {
     constexpr const response_limits& limits() const { return limits_; }
     constexpr const bus_gaps& gaps() const { return gaps_; }
 
-    /// True if the settings are known and nothing has put them in doubt until now.
+    /// True if the settings are known and the link has held until now.
     constexpr bool is_known(instant now, std::uint8_t losses) const {
         return known_.is_known() && known_.link().holds(now, losses);
     }
@@ -153,7 +153,7 @@ template <class Model, class Exchange> class command_life {
                                          link.watchdog());
                           })
                 model.fail(slot_.command(), done, r, link.is_expired(), known_.cached(), link.watchdog());
-            known_.doubt(r, is_judged);
+            known_.note_failure(r, is_judged);
             // A stop that goes on by other means ends as those do.
             const bool goes_on =
                 !slot_.command().steps.empty() && slot_.command().stop != stop_priority::no_stop;

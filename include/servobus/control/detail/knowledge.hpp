@@ -43,10 +43,10 @@ template <class Model> class knowledge {
         held_.drop();
     }
 
-    /// After a command's failure nothing is certain: an error of the transport or of a response. `is_judged`: the model
-    /// says so, by the image.
-    constexpr void doubt(const routine_status& r, bool is_judged) {
-        if (is_in_doubt(r, is_judged)) invalidate();
+    /// Invalidates the settings if a command's failure leaves them uncertain: an error of the transport or of a response.
+    /// `is_judged`: the error is the model's judgement of an image.
+    constexpr void note_failure(const routine_status& r, bool is_judged) {
+        if (is_uncertain(r, is_judged)) invalidate();
     }
 
     // --- Readings
@@ -190,7 +190,7 @@ template <class Model> class knowledge {
     constexpr void note_origin(bool is_new) { is_origin_new_ = is_origin_new_ || is_new; }
 
   private:
-    static constexpr bool is_in_doubt(const routine_status& r, bool is_judged) {
+    static constexpr bool is_uncertain(const routine_status& r, bool is_judged) {
         if (r.error() == errc::faulted || r.error() == errc::not_executed) return false;
         if (r.error() == errc::exception) return r.has_changed;
         const bool is_transport = r.error() >= errc::line_busy && r.error() <= errc::bad_gap;

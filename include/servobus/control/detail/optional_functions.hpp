@@ -26,34 +26,23 @@ template <class Model> struct with_part_names : Model, part_names {};
 
 template <class Model, class Both = with_part_names<Model>> consteval bool has_part(model_part which) {
     // NOLINTBEGIN(bugprone-branch-clone): the names differ
+    // clang-format off
     switch (which) {
-    case model_part::admit: return !requires { &Both::admit;
-        };
-    case model_part::permit: return !requires { &Both::permit;
-        };
-    case model_part::fail: return !requires { &Both::fail;
-        };
-    case model_part::watchdog: return !requires { &Both::watchdog;
-        };
-    case model_part::slower: return !requires { &Both::slower;
-        };
-    case model_part::positions: return !requires { &Both::positions;
-        };
-    case model_part::is_fall: return !requires { &Both::is_fall;
-        };
-    case model_part::sets_origin: return !requires { &Both::sets_origin;
-        };
-    case model_part::stops_after_restart: return !requires { &Both::stops_after_restart;
-        };
-    case model_part::disable_replaces_quick_stop: return !requires { &Both::disable_replaces_quick_stop;
-        };
-    case model_part::moves_when_enabled: return !requires { &Both::moves_when_enabled;
-        };
-    case model_part::grant: return !requires { &Both::grant;
-        };
-    case model_part::grant_at_most: return !requires { &Both::grant_at_most;
-        };
+    case model_part::admit: return !requires { &Both::admit; };
+    case model_part::permit: return !requires { &Both::permit; };
+    case model_part::fail: return !requires { &Both::fail; };
+    case model_part::watchdog: return !requires { &Both::watchdog; };
+    case model_part::slower: return !requires { &Both::slower; };
+    case model_part::positions: return !requires { &Both::positions; };
+    case model_part::is_fall: return !requires { &Both::is_fall; };
+    case model_part::sets_origin: return !requires { &Both::sets_origin; };
+    case model_part::stops_after_restart: return !requires { &Both::stops_after_restart; };
+    case model_part::disable_replaces_quick_stop: return !requires { &Both::disable_replaces_quick_stop; };
+    case model_part::moves_when_enabled: return !requires { &Both::moves_when_enabled; };
+    case model_part::grant: return !requires { &Both::grant; };
+    case model_part::grant_at_most: return !requires { &Both::grant_at_most; };
     }
+    // clang-format on
     // NOLINTEND(bugprone-branch-clone)
     return false;
 }
@@ -68,23 +57,17 @@ template <class Model> struct optional_functions {
     using settings = typename Model::settings;
 
     static consteval bool admit() {
-        if constexpr (has_part<Model>(model_part::admit)) {
-            return requires(Model m, command c, response_limits limits, bus_gaps gaps) {
-                m.admit(c, limits, gaps);
-            };
-        } else {
-            return true;
-        }
+        return !has_part<Model>(model_part::admit) ||
+               requires(Model m, command c, response_limits limits, bus_gaps gaps) {
+            m.admit(c, limits, gaps);
+        };
     }
     static consteval bool fail() {
-        if constexpr (has_part<Model>(model_part::fail)) {
-            return requires(Model m, command c, const routine& steps, const routine_status& r, settings s,
-                            duration watchdog) {
-                m.fail(c, steps, r, true, s, watchdog);
-            };
-        } else {
-            return true;
-        }
+        return !has_part<Model>(model_part::fail) ||
+               requires(Model m, command c, const routine& steps, const routine_status& r, settings s,
+                        duration watchdog) {
+            m.fail(c, steps, r, true, s, watchdog);
+        };
     }
     static consteval bool permit() {
         if constexpr (has_part<Model>(model_part::permit)) {
@@ -115,39 +98,27 @@ template <class Model> struct optional_functions {
         }
     }
     static consteval bool sets_origin() {
-        if constexpr (has_part<Model>(model_part::sets_origin)) {
-            return requires(const command& c) { Model::sets_origin(c); };
-        } else {
-            return true;
-        }
+        return !has_part<Model>(model_part::sets_origin) || requires(const command& c) {
+            Model::sets_origin(c);
+        };
     }
     static consteval bool moves_when_enabled() {
-        if constexpr (has_part<Model>(model_part::moves_when_enabled)) {
-            return requires(const settings& s) { Model::moves_when_enabled(s); };
-        } else {
-            return true;
-        }
+        return !has_part<Model>(model_part::moves_when_enabled) || requires(const settings& s) {
+            Model::moves_when_enabled(s);
+        };
     }
     static consteval bool grant() {
-        if constexpr (has_part<Model>(model_part::grant)) {
-            return requires(Model m, response_limits limits) { m.grant(limits); };
-        } else {
-            return true;
-        }
+        return !has_part<Model>(model_part::grant) || requires(Model m, response_limits limits) {
+            m.grant(limits);
+        };
     }
     static consteval bool grant_at_most() {
-        if constexpr (has_part<Model>(model_part::grant_at_most)) {
-            return requires(Model m, duration response) { m.grant_at_most(response); };
-        } else {
-            return true;
-        }
+        return !has_part<Model>(model_part::grant_at_most) || requires(Model m, duration response) {
+            m.grant_at_most(response);
+        };
     }
     static consteval bool watchdog() {
-        if constexpr (has_part<Model>(model_part::watchdog)) {
-            return requires(const settings& s) { Model::watchdog(s); };
-        } else {
-            return true;
-        }
+        return !has_part<Model>(model_part::watchdog) || requires(const settings& s) { Model::watchdog(s); };
     }
 };
 
