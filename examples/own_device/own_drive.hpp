@@ -17,6 +17,7 @@
 #include <servobus/control/command.hpp>
 #include <servobus/control/command_kinds.hpp>
 #include <servobus/control/facade.hpp>
+#include <servobus/control/image_of.hpp>
 #include <servobus/control/steps.hpp>
 
 #include "own_device.hpp"
@@ -29,7 +30,7 @@ inline constexpr auto servobus::stop_words<winch::control_word> =
 namespace winch {
 
 using servobus::drive_state, servobus::duration, servobus::errc, servobus::milliseconds, servobus::routine,
-    servobus::slice, servobus::step;
+    servobus::step;
 namespace steps = servobus::steps;
 namespace commands = servobus::commands;
 
@@ -215,42 +216,51 @@ class model {
     using prepared_command = winch::prepared_command;
     using settings = cached_settings;
 
-    // Constants; `kinds` and `stops_after_restart` are below.
+    // What it is
+
     static constexpr servobus::drive_traits traits{.stops_without_line = false,
                                                    .halts_in_position = true,
                                                    .changes_speed_on_the_run = true,
                                                    .has_homing = false,
                                                    .keeps_single_parameters = false};
-    /// The feedback: load, position, status, fault, in one frame.
-    static constexpr servobus::register_block image{routines::feedback[0].address,
-                                                    routines::feedback[0].count};
+    /// The feedback, in one frame.
+    using image = servobus::image_of<load, position, status_word, fault>;
+    static constexpr servobus::feedback_blocks blocks{image::block};
     static constexpr settings unknown{};
-    static constexpr drive_state enabled = drive_state::enabled;
-    static constexpr drive_state faulted = drive_state::faulted;
-    /// With which kind of stop the facade answers a fault.
-    static constexpr servobus::stop_priority stop_at_fault = servobus::stop_priority::disable;
-    static constexpr servobus::model_parts leaves_out{servobus::model_part::permit,
-                                                      servobus::model_part::fail,
-                                                      servobus::model_part::watchdog,
-                                                      servobus::model_part::slower,
-                                                      servobus::model_part::positions,
-                                                      servobus::model_part::is_fall,
-                                                      servobus::model_part::sets_origin,
-                                                      servobus::model_part::disable_replaces_quick_stop,
-                                                      servobus::model_part::moves_when_enabled,
-                                                      servobus::model_part::grant,
-                                                      servobus::model_part::grant_at_most};
-
-    // What a command changes, and what the feedback says
-
+    static constexpr servobus::stop_rules stops{
+        .at_fault = servobus::stop_priority::disable,
+        .after_restart = true, // a halt writes `hold`, which energises a winch that has restarted meanwhile
+        .disable_replaces_quick_stop = false};
     static constexpr auto kinds = servobus::command_kinds<effect>{}
                                       .of(servobus::command_kind::take_over, effect::initialised)
                                       .of(servobus::command_kind::power, effect::enabled, effect::disabled)
                                       .of(servobus::command_kind::endless_motion, effect::turned)
                                       .of(servobus::command_kind::move, effect::moved)
                                       .of(servobus::command_kind::refresh, effect::seen)
-                                      .of(servobus::command_kind::other, effect::arrived, effect::none);
-    static constexpr bool is_faulted(const std::uint16_t* w, const settings&) { return w[fault_word] != 0; }
+                                      .of(servobus::command_kind::other, effect::arrived, effect::none)
+                                      .with_new_origin();
+    /// What a restart changes: a register and what it must hold.
+    static constexpr steps::recheck witness(const settings& known, const prepared_command&) {
+        if (known.state == drive_state::needs_init) return {};
+        return {.look = routines::same_session, .words = {routines::session}};
+    }
+    /// It has none: it turns on when nothing is sent.
+    static constexpr duration watchdog(const settings&) { return {}; }
+
+    // May the command begin, or go on?
+
+    constexpr errc admit(const prepared_command& c, duration) const {
+        return c.then == effect::arrived && !has_goal_ ? errc::wrong_state : errc::ok; // a wait needs a move
+    }
+    static constexpr errc permit(const prepared_command&, const servobus::situation&, const settings&) {
+        return errc::ok; // none of its commands asks
+    }
+
+    // What does this reading say?
+
+    static constexpr bool is_faulted(const std::uint16_t* w, const settings&) {
+        return w[image::place_of<fault>] != 0;
+    }
     /// A winch that should be energised and is not has restarted, or was switched off by something else.
     static constexpr servobus::verdict judge(const std::uint16_t* w, settings& known) {
         if (known.state != drive_state::enabled) return servobus::verdict::as_expected;
@@ -258,30 +268,25 @@ class model {
             known.state = drive_state::disabled;
             return servobus::verdict::faulted;
         }
-        const bool is_energised = (w[status_at] & status_bits::energised) != 0;
+        const bool is_energised = (w[image::place_of<status_word>] & status_bits::energised) != 0;
         return is_energised ? servobus::verdict::as_expected : servobus::verdict::disabled;
     }
-    /// What a restart changes: a register and what it must hold.
-    static constexpr steps::recheck witness(const settings& known, const prepared_command&) {
-        if (known.state == drive_state::needs_init) return {};
-        return {.look = routines::same_session, .words = {routines::session}};
-    }
-    /// The routine for a stop of the facade's own.
-    static constexpr prepared_command stop_for(servobus::stop_priority which, const settings& known, bool) {
-        return which == servobus::stop_priority::halt ? plan(servobus::halt{}, known)
-                                                      : plan(servobus::disable{}, known);
+    /// No restart of it shows by its position.
+    static constexpr bool has_fallen(const servobus::block_reading&, const settings&) { return false; }
+    static constexpr void note(const servobus::block_reading&, const settings&) {}
+    /// Is the move at its end?
+    constexpr errc confirm(const prepared_command&, const servobus::situation& now, const settings&) const {
+        switch (arrival_of(now.image, now.waited).how) {
+        case servobus::arrival_state::under_way: return errc::busy;
+        case servobus::arrival_state::stopped_short: return errc::stopped_short;
+        default: return errc::ok;
+        }
     }
 
-    /// A halt writes `hold`, which energises a winch that has restarted meanwhile: it is switched off then.
-    static constexpr bool stops_after_restart = true;
+    // What has a command changed?
 
-    // How a command begins and ends
-
-    constexpr errc admit(const prepared_command& c, const servobus::response_limits&,
-                         const servobus::bus_gaps&) const {
-        return c.then == effect::arrived && !has_goal_ ? errc::wrong_state : errc::ok;
-    }
-    constexpr errc learn(prepared_command& c, slice<const std::uint16_t>, settings& known) {
+    constexpr errc learn(prepared_command& c, const servobus::ending& e, settings& known) {
+        if (!e.is_done) return errc::ok;
         switch (c.then) {
         case effect::initialised:
             known.state = drive_state::disabled;
@@ -303,24 +308,24 @@ class model {
         }
         return errc::ok;
     }
+
     /// A motion was replaced that may have started: where the winch goes is not known any more.
     constexpr void preempt(const prepared_command&) { has_goal_ = false; }
-    constexpr errc confirm(const prepared_command&, const std::uint16_t* w, duration since_start,
-                           const settings&) const {
-        switch (arrival_of(w, since_start).how) {
-        case servobus::arrival_state::under_way: return errc::busy;
-        case servobus::arrival_state::stopped_short: return errc::stopped_short;
-        default: return errc::ok;
-        }
+
+    // How is it stopped?
+
+    static constexpr prepared_command stop_for(servobus::stop_priority which, const settings& known, bool) {
+        return which == servobus::stop_priority::halt ? plan(servobus::halt{}, known)
+                                                      : plan(servobus::disable{}, known);
     }
 
     // For this drive's own facade
 
     constexpr arrival arrival_of(const std::uint16_t* w, duration since_start) const {
         if (!has_goal_) return {};
-        const distance missing = goal_ - place(w + position_at);
+        const distance missing = goal_ - place(w + image::place_of<position>);
         const bool is_there = missing.count() == 0;
-        const bool is_turning = (w[status_at] & status_bits::turning) != 0;
+        const bool is_turning = (w[image::place_of<status_word>] & status_bits::turning) != 0;
         if (is_turning || (!is_there && since_start < milliseconds(200))) // it may not have begun
             return {.how = servobus::arrival_state::under_way, .missing = missing};
         return {.how = is_there ? servobus::arrival_state::reached : servobus::arrival_state::stopped_short,
@@ -330,9 +335,6 @@ class model {
         return distance{
             static_cast<std::int32_t>(servobus::join_words(w[0], w[1], device::facts.word_order))};
     }
-    static constexpr std::size_t position_at = 1; // words of the image
-    static constexpr std::size_t status_at = 3;
-    static constexpr std::size_t fault_word = 4;
 
   private:
     distance goal_{};
@@ -353,7 +355,9 @@ struct feedback {
     constexpr bool is_moving() const { return (status & status_bits::turning) != 0; }
 
     static constexpr feedback from_words(const std::uint16_t* w) {
-        return {w[0], model::place(w + model::position_at), w[model::status_at], w[model::fault_word]};
+        using image = model::image;
+        return {w[image::place_of<winch::load>], model::place(w + image::place_of<winch::position>),
+                w[image::place_of<status_word>], w[image::place_of<fault>]};
     }
 };
 

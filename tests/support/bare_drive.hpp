@@ -40,51 +40,43 @@ class model {
     using settings = bare::settings;
 
     static constexpr drive_traits traits{};
-    static constexpr register_block image{0x0110, 1};
+    static constexpr feedback_blocks blocks{register_block{0x0110, 1}};
     static constexpr settings unknown{};
-    static constexpr drive_state enabled = drive_state::enabled;
-    static constexpr drive_state faulted = drive_state::faulted;
-    static constexpr stop_priority stop_at_fault = stop_priority::halt;
-    static constexpr model_parts leaves_out{model_part::admit,
-                                            model_part::permit,
-                                            model_part::watchdog,
-                                            model_part::slower,
-                                            model_part::positions,
-                                            model_part::is_fall,
-                                            model_part::sets_origin,
-                                            model_part::stops_after_restart,
-                                            model_part::disable_replaces_quick_stop,
-                                            model_part::moves_when_enabled,
-                                            model_part::grant,
-                                            model_part::grant_at_most};
+    static constexpr stop_rules stops{
+        .at_fault = stop_priority::halt, .after_restart = false, .disable_replaces_quick_stop = false};
 
     /// A command's effect is its kind.
     struct own_kinds {
         constexpr command_kind operator[](command_kind k) const { return k; }
+        constexpr bool sets_origin(command_kind) const { return false; }
+        constexpr bool has_motion() const { return false; }
+        constexpr bool moves(command_kind) const { return false; }
         constexpr bool is_complete() const { return true; }
+        constexpr bool are_origins_stated() const { return true; }
     };
     static constexpr own_kinds kinds{};
-    static constexpr bool is_faulted(const std::uint16_t*, const settings&) { return false; }
     /// What the feedback says is the test's.
     static inline verdict (*judges)(std::uint16_t) = [](std::uint16_t) { return verdict::as_expected; };
     static verdict judge(const std::uint16_t* w, settings&) { return judges(w[0]); }
+    static constexpr bool is_faulted(const std::uint16_t*, const settings&) { return false; }
+    static constexpr bool has_fallen(const block_reading&, const settings&) { return false; }
+    static constexpr void note(const block_reading&, const settings&) {}
+    static constexpr duration watchdog(const settings&) { return {}; }
     static constexpr steps::recheck witness(const settings& known, const command&) { return known.witness; }
     /// The stop of a supervisor is the test's.
     static inline command stops_by{.steps = no_steps};
     static command stop_for(stop_priority, const settings&, bool) { return stops_by; }
 
-    static constexpr errc confirm(const command&, const std::uint16_t*, duration, const settings&) {
-        return errc::ok;
-    }
-    static constexpr void preempt(const command&) {}
-    constexpr errc learn(const command& c, slice<const std::uint16_t>, settings& known) {
-        ++done;
+    static constexpr errc admit(const command&, duration) { return errc::ok; }
+    static constexpr errc permit(const command&, const situation&, const settings&) { return errc::ok; }
+    static constexpr errc confirm(const command&, const situation&, const settings&) { return errc::ok; }
+    constexpr errc learn(const command& c, const ending& e, settings& known) {
+        ++(e.is_done ? done : failed);
+        if (!e.is_done) return errc::ok;
         if (c.then == command_kind::take_over || c.makes_known) known = {drive_state::enabled, c.witness};
         return errc::ok;
     }
-    constexpr void fail(const command&, routine, const routine_status&, bool, const settings&, duration&) {
-        ++failed;
-    }
+    static constexpr void preempt(const command&) {}
 
     unsigned done = 0;
     unsigned failed = 0;

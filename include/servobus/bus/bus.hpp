@@ -59,6 +59,7 @@ class bus : detail::cyclic_reads<Plan, Line, Drives...> {
         const auto note = [&idle](duration own) { idle = shorter_of(idle, own); };
         // Stops are stepped before another frame begins to leave.
         drives_.each([&](std::size_t, auto& drive) {
+            drive.machine().bound_response(Plan.longest_response());
             if (drive.machine().wants_stop()) note(drive.step());
         });
         // Frames on the wire are stepped before the line counts as free: the program may have stalled since. Twice: a

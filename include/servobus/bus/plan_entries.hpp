@@ -115,7 +115,7 @@ struct controlled_node : supervised_node {
 
 /// A drive with a facade of `Model`.
 template <class Model> struct controlled_drive : controlled_node {
-    static constexpr bool has_watchdog = watchdog_of<Model>(Model::unknown) != duration{};
+    static constexpr bool has_watchdog = Model::watchdog(Model::unknown) != duration{};
 
     /// The application commands a speed or a torque once a `period`, which counts in the load of the line.
     constexpr controlled_drive commands(duration period) const {
@@ -144,13 +144,10 @@ template <device_class Device> consteval auto controlled(const node<Device>& at,
     d.limits = at.limits;
     d.gaps = at.gaps;
     d.by = by;
-    d.keep_alive = watchdog_of<model>(model::unknown);
-    d.image_words = model::image.words;
-    if constexpr (requires { model::slower; }) {
-        for (const register_block& b : model::slower)
-            d.slower_words = b.words > d.slower_words ? b.words : d.slower_words;
-        d.readings_between = model::readings_between;
-    }
+    d.keep_alive = model::watchdog(model::unknown);
+    d.image_words = model::blocks.image().words;
+    d.slower_words = model::blocks.longest_other();
+    d.readings_between = model::blocks.images_between();
     return d;
 }
 

@@ -115,7 +115,7 @@ template <class Model, class Exchange> class drive_machine : public detail::comm
         known_.link().ask(on.epoch(this->address()));
         const byte_buffer pdu = byte_buffer{this->request_}.subspan(1);
         std::size_t size = 5;
-        register_block block = Model::image;
+        register_block block = image_block<Model>;
         if (purpose() == flight::step) {
             size = run().put_request(pdu);
             block.words = run().current().count;
@@ -153,7 +153,7 @@ template <class Model, class Exchange> class drive_machine : public detail::comm
         if (got.error() != errc::ok) {
             known_.held().drop();
             known_.polling().postpone(now);
-            if (run().reads(Model::image)) run().fail_read(got, this->limits_, this->read_retries_);
+            if (run().reads(image_block<Model>)) run().fail_read(got, this->limits_, this->read_retries_);
             return;
         }
         known_.polling().note_reading(began);
@@ -161,8 +161,8 @@ template <class Model, class Exchange> class drive_machine : public detail::comm
     }
     // Uses an image. `is_verified`: it was held back until the witness was read.
     constexpr void conclude_reading(words_view read, bool is_verified, instant now) {
-        std::uint16_t words[Model::image.words]; // NOLINT: all are filled
-        for (std::size_t i = 0; i < Model::image.words; ++i) words[i] = read[i];
+        std::uint16_t words[image_block<Model>.words]; // NOLINT: all are filled
+        for (std::size_t i = 0; i < image_block<Model>.words; ++i) words[i] = read[i];
         const bool is_fall = !is_verified && known_.has_fallen(words);
         verdict found = judged(words);
         if (is_fall && found != verdict::disabled) found = verdict::uncertain;
@@ -173,11 +173,11 @@ template <class Model, class Exchange> class drive_machine : public detail::comm
             }
             if (is_verified || is_fall) found = verdict::as_expected; // a restart shows nowhere else
         }
-        known_.take_image(words, !slot_.is_idle() && detail::sets_origin<Model>(slot_.command()), now);
+        known_.take_image(words, slot_.is_setting_origin(), now);
         known_.set_last_frame(flight::refresh);
         react(found, now);
         known_.take_held_block(this->response_);
-        run().use_image(known_.image(), Model::image, now);
+        run().use_image(known_.image(), image_block<Model>, now);
         if (run().asks_model()) ask_model(now);
     }
     // False during a take-over, which finds out anew what the drive is.
@@ -196,34 +196,29 @@ template <class Model, class Exchange> class drive_machine : public detail::comm
             return;
         }
         std::uint16_t words[steps::longest]; // NOLINT: as many as the block has are filled
-        for (std::size_t i = 0; i < Model::slower[block].words; ++i) words[i] = exchange_.words()[i];
+        for (std::size_t i = 0; i < Model::blocks[block].words; ++i) words[i] = exchange_.words()[i];
         if (known_.withholds(block, words, may_ask_witness())) {
             known_.held().hold_block(this->response_, exchange_.response());
             slower.note_held(began);
         } else {
-            slower.take(block, words, began);
+            known_.take_block(block, words, began);
         }
-        run().use_image(words, Model::slower[block], now);
+        run().use_image(words, Model::blocks[block], now);
     }
     constexpr void ask_model(instant now) {
-        auto& model = known_.model();
-        auto& cached = known_.cached();
-        const std::uint16_t* const image = known_.image();
-        if constexpr (requires { model.permit(slot_.command(), image, cached); }) {
-            if (run().is_at_permit()) {
-                const errc found = model.permit(slot_.command(), image, cached);
-                if (slot_.command().steps.empty()) return run().finish(); // nothing is left to do
-                return run().conclude_question(found, now);
-            }
-        }
-        if constexpr (requires { model.permit(slot_.command(), run().words(), cached); }) {
-            if (run().is_at_permit())
-                return run().conclude_question(model.permit(slot_.command(), run().words(), cached), now);
-        }
         // A motion counts from its start, which may have been another command's.
         const duration waited =
             slot_.kind() == command_kind::power ? known_.until_image(run().entered()) : known_.since_start();
-        run().conclude_question(model.confirm(slot_.command(), image, waited, cached), now);
+        const situation seen{.image = known_.image(), .words = run().words(), .waited = waited};
+        auto& model = known_.model();
+        errc found = errc::ok;
+        if (run().current().what == step_type::kind::permit) {
+            found = model.permit(slot_.command(), seen, known_.cached());
+            if (slot_.command().steps.empty()) return run().finish(); // nothing is left to do
+        } else {
+            found = model.confirm(slot_.command(), seen, known_.cached());
+        }
+        run().conclude_question(found, now);
     }
     constexpr void conclude_witness(const status& got, instant now) {
         known_.link().end_check();
@@ -249,8 +244,7 @@ template <class Model, class Exchange> class drive_machine : public detail::comm
             return;
         }
         note_restart();
-        if constexpr (detail::stops_after_restart<Model>())
-            return this->stop_because(errc::needs_init, false, now);
+        if constexpr (Model::stops.after_restart) return this->stop_because(errc::needs_init, false, now);
         if (!slot_.is_idle() && !slot_.is_stopping()) run().end(errc::needs_init, false);
     }
     // Forgets the settings. The motor has no power any more, or stands: no command timeout is to stop it.
@@ -271,7 +265,7 @@ template <class Model, class Exchange> class drive_machine : public detail::comm
         case verdict::held: known_.note_cause(stop_cause::input); break;
         case verdict::disabled:
             note_restart();
-            if constexpr (detail::stops_after_restart<Model>()) {
+            if constexpr (Model::stops.after_restart) {
                 this->stop_because(errc::needs_init, true, now);
             } else {
                 slot_.end_unless_reading(errc::needs_init);

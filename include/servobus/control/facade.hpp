@@ -17,10 +17,9 @@
 
 #include <servobus/client/node.hpp>
 #include <servobus/control/common_commands.hpp>
-#include <servobus/control/detail/optional_functions.hpp>
 #include <servobus/control/drive_machine.hpp>
+#include <servobus/control/drive_model.hpp>
 #include <servobus/control/drive_traits.hpp>
-#include <servobus/control/model_parts.hpp>
 #include <servobus/control/states.hpp>
 #include <servobus/control/supervision.hpp>
 #include <servobus/line/line.hpp>
@@ -29,6 +28,9 @@ namespace servobus {
 
 /// A facade of one drive on `Line`; nothing else sends to the drive. `Model` describes it (device/README.md).
 template <class Model, class Line> class facade {
+    static_assert(drive_model<Model>,
+                  "a model has each part of device/README.md, in the form that it has there");
+
   public:
     using prepared_command = typename Model::prepared_command;
     using settings = typename Model::settings;
@@ -161,7 +163,7 @@ template <class Model, class Line> class facade {
         const auto& polling = machine_.known().polling();
         const duration every = polling.period();
         return polling.is_on() && every != default_feedback &&
-               every < line_->timing().wire_time(13 + 2 * Model::image.words);
+               every < line_->timing().wire_time(13 + 2 * image_block<Model>.words);
     }
     constexpr errc accept(prepared_command& next) {
         if (is_period_too_short()) return errc::bad_argument;
@@ -198,9 +200,11 @@ template <class Model, class Line> class facade {
 
     static_assert(Model::kinds.is_complete(),
                   "an effect has no kind: each is listed in the `kinds` of the model");
-    static_assert(detail::has_right_parts<Model>());
-    static_assert(Model::image.words != 0, "the feedback of a model is at least one register");
-    static_assert(Model::image.words <= steps::longest, "the feedback of a model is at most 11 registers");
+    static_assert(Model::kinds.are_origins_stated(),
+                  "which commands have a new origin is stated: `with_new_origin()` of `kinds`, for none too");
+    static_assert(image_block<Model>.words != 0, "the feedback of a model is at least one register");
+    static_assert(image_block<Model>.words <= steps::longest,
+                  "the feedback of a model is at most 11 registers");
 };
 
 } // namespace servobus

@@ -272,8 +272,11 @@ TEST_CASE("S5: a position that is more than 20 units nearer to zero has fallen, 
             for (const std::int64_t now : places) {
                 CAPTURE(before);
                 CAPTURE(now);
-                CHECK(model::is_fall(words(before).data(), words(now).data(), known) ==
-                      (std::llabs(before) - std::llabs(now) > 20));
+                const auto then = words(before);
+                const auto here = words(now);
+                const block_reading r{
+                    .block = model::position_block, .words = here.data(), .before = then.data()};
+                CHECK(model::has_fallen(r, known) == (std::llabs(before) - std::llabs(now) > 20));
             }
         }
     }
@@ -281,9 +284,10 @@ TEST_CASE("S5: a position that is more than 20 units nearer to zero has fallen, 
 
 TEST_CASE("G35: a brake that is applied although the servo is on ends the state enabled, and outputs count "
           "once set up") {
-    const std::array<u16, model::image.words> released{status_flags::brake_bit | status_flags::ready_bit};
-    const std::array<u16, model::image.words> applied{status_flags::ready_bit};
-    const std::array<u16, model::image.words> faulted{status_flags::fault_bit};
+    const std::array<u16, model::blocks.image().words> released{status_flags::brake_bit |
+                                                                status_flags::ready_bit};
+    const std::array<u16, model::blocks.image().words> applied{status_flags::ready_bit};
+    const std::array<u16, model::blocks.image().words> faulted{status_flags::fault_bit};
     cached_settings known{};
     known.state = drive_state::enabled;
     CHECK(model::judge(released.data(), known) == verdict::as_expected);

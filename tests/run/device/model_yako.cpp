@@ -12,6 +12,7 @@
 
 #include <tests/support/driven_yako.hpp>
 #include <tests/support/enabled_yako.hpp>
+#include <tests/support/endings.hpp>
 
 namespace model_yako_tests {
 
@@ -144,11 +145,11 @@ TEST_CASE("A61: a wait for a move that rests at the end of the counter's range, 
     move.has_target = true;
     move.target = 2'000;
     model<closed_loop::device> m;
-    REQUIRE(m.permit(move, image(2'147'483'000).data(), known) == errc::ok);
-    REQUIRE(m.learn(move, {}, known) == errc::ok);
+    REQUIRE(m.permit(move, {image(2'147'483'000).data(), {}, {}}, known) == errc::ok);
+    REQUIRE(m.learn(move, endings{}.done(), known) == errc::ok);
     const prepared_command wait = plan(wait_reached{}, known);
     const auto ended = [&](std::int64_t position) {
-        return m.confirm(wait, image(position).data(), milliseconds(5000), known);
+        return m.confirm(wait, {image(position).data(), {}, milliseconds(5000)}, known);
     };
     CHECK(ended(2'147'483'647) == errc::unexpected_value);
     CHECK(ended(2'147'485'000) == errc::ok);
@@ -178,8 +179,8 @@ TEST_CASE("G34: a move that was replaced, or a way that began while the motor mo
 
     model<closed_loop::device> m;
     prepared_command c = move_by{500 * pulse}.plan(known);
-    REQUIRE(m.permit(c, at_rest.data(), known) == errc::ok);
-    REQUIRE(m.learn(c, slice<const u16>{at_rest.data(), at_rest.size()}, known) == errc::ok);
+    REQUIRE(m.permit(c, {at_rest.data(), {}, {}}, known) == errc::ok);
+    REQUIRE(m.learn(c, endings{}.done({at_rest.data(), at_rest.size()}), known) == errc::ok);
     REQUIRE(m.arrival_of(at_500.data(), milliseconds(900), known).how == arrival_state::reached);
     m.preempt(c);
     CHECK(m.arrival_of(at_500.data(), milliseconds(900), known).how == arrival_state::none);

@@ -11,6 +11,8 @@
 #include <servobus/device/zlac8015d.hpp>
 #include <servobus/servobus.hpp>
 
+#include <tests/support/endings.hpp>
+
 namespace model_zlac8015d_tests {
 
 using namespace servobus;
@@ -19,7 +21,7 @@ using namespace servobus::zlac8015d;
 
 namespace {
 
-using image_words = std::array<std::uint16_t, model::image.words>;
+using image_words = std::array<std::uint16_t, model::blocks.image().words>;
 
 cached_settings enabled_in(operating_mode mode) {
     return {.state = drive_state::enabled,
@@ -45,7 +47,7 @@ model moving(cached_settings& known) {
     prepared_command c = move_by{1000 * pulse, 1000 * pulse}.plan(known);
     REQUIRE(c.refusal == errc::ok);
     const image_words before = at(0, 0);
-    REQUIRE(m.learn(c, slice<const std::uint16_t>{before.data(), before.size()}, known) == errc::ok);
+    REQUIRE(m.learn(c, endings{}.done({before.data(), before.size()}), known) == errc::ok);
     return m;
 }
 
@@ -83,7 +85,7 @@ TEST_CASE("G34: after an enable there is no move of which the end could be told"
     model m = moving(known);
     REQUIRE(m.arrival_of(wheels::both, at(1000, 1000).data(), {}).how == arrival_state::reached);
     prepared_command c = enable_in{operating_mode::relative_position}.plan(known);
-    REQUIRE(m.learn(c, {}, known) == errc::ok);
+    REQUIRE(m.learn(c, endings{}.done(), known) == errc::ok);
     CHECK(m.arrival_of(wheels::both, at(1000, 1000).data(), {}).how == arrival_state::none);
 }
 
@@ -97,8 +99,7 @@ TEST_CASE(
         const routine_status lost{status::sent(errc::timeout), failed_at, true};
         c.steps = no_steps; // as the facade calls it
         known.state = state;
-        duration timeout{};
-        m.fail(c, no_steps, lost, false, known, timeout);
+        REQUIRE(m.learn(c, endings{}.failed(lost), known) == errc::ok);
         CHECK(c.steps.empty() == (state == drive_state::needs_init));
         CHECK(m.motion() == motion_check::unknown);
         CHECK(m.arrival_of(wheels::both, at(1000, 1000).data(), {}).how == arrival_state::none);

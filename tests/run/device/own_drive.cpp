@@ -55,7 +55,7 @@ struct rig {
 };
 
 // A model is a constant of the program where its functions are.
-static_assert(winch::model::image.contains(winch::position.address, 2));
+static_assert(winch::model::blocks.image().contains(winch::position.address, 2));
 static_assert(winch::model::kinds[winch::turn{}.plan({}).then] == command_kind::endless_motion);
 static_assert(winch::turn{601 * r_per_min}.plan({drive_state::enabled}).refusal == errc::out_of_range);
 static_assert(winch::move_to{2'000'000 * pulse}.plan({drive_state::enabled}).refusal == errc::out_of_range);

@@ -77,7 +77,7 @@ struct no_witness : winch::model {
     static constexpr steps::recheck witness(const settings&, const prepared_command&) { return {}; }
 };
 struct confirms_too_early : winch::model {
-    static constexpr errc confirm(const prepared_command&, const std::uint16_t*, duration, const settings&) {
+    static constexpr errc confirm(const prepared_command&, const situation&, const settings&) {
         return errc::ok;
     }
 };
@@ -88,41 +88,39 @@ struct sees_no_fault : winch::model {
     static constexpr bool is_faulted(const std::uint16_t*, const settings&) { return false; }
     static constexpr verdict judge(const std::uint16_t*, settings&) { return verdict::as_expected; }
 };
+/// The winch's kinds, in which one effect is of the kind `other`.
+template <winch::effect Wrong> struct other_kinds {
+    constexpr command_kind operator[](winch::effect e) const {
+        return e == Wrong ? command_kind::other : winch::model::kinds[e];
+    }
+    constexpr bool sets_origin(winch::effect) const { return false; }
+    constexpr bool moves(winch::effect) const { return false; }
+    constexpr bool has_motion() const { return false; }
+    constexpr bool is_complete() const { return true; }
+    constexpr bool are_origins_stated() const { return true; }
+};
 template <winch::effect Wrong> struct is_of_kind_other : winch::model {
-    struct own_kinds {
-        constexpr command_kind operator[](winch::effect e) const {
-            return e == Wrong ? command_kind::other : winch::model::kinds[e];
-        }
-        constexpr bool is_complete() const { return true; }
-    };
-    static constexpr own_kinds kinds{};
+    static constexpr other_kinds<Wrong> kinds{};
 };
 /// As if the plan of each command with this effect left out its `then`.
 template <winch::effect Effect> struct forgets_effect : is_of_kind_other<Effect> {
-    constexpr errc learn(prepared_command& c, slice<const std::uint16_t> words,
-                         winch::cached_settings& known) {
-        return c.then == Effect ? errc::ok : winch::model::learn(c, words, known);
+    constexpr errc learn(prepared_command& c, const ending& e, winch::cached_settings& known) {
+        return c.then == Effect ? errc::ok : winch::model::learn(c, e, known);
     }
 };
-struct move_is_no_motion : winch::model {
-    struct own_kinds {
-        constexpr command_kind operator[](winch::effect e) const {
-            return e == winch::effect::moved ? command_kind::other : winch::model::kinds[e];
-        }
-        constexpr bool is_complete() const { return true; }
-    };
-    static constexpr own_kinds kinds{};
-};
+struct move_is_no_motion : is_of_kind_other<winch::effect::moved> {};
 struct short_image : winch::model {
-    static constexpr register_block image{winch::model::image.address, winch::model::image.words - 1};
+    static constexpr feedback_blocks blocks{
+        register_block{winch::model::image::block.address, winch::model::image::block.words - 1}};
 };
 struct stays_energised : winch::model {
-    static constexpr bool stops_after_restart = false;
+    static constexpr stop_rules stops{
+        .at_fault = stop_priority::disable, .after_restart = false, .disable_replaces_quick_stop = false};
 };
 struct learns_no_disable : winch::model {
-    constexpr errc learn(prepared_command& c, slice<const std::uint16_t> words, settings& known) {
+    constexpr errc learn(prepared_command& c, const ending& e, settings& known) {
         const drive_state before = known.state;
-        const errc found = winch::model::learn(c, words, known);
+        const errc found = winch::model::learn(c, e, known);
         if (c.then == winch::effect::disabled) known.state = before;
         return found;
     }

@@ -12,7 +12,6 @@
 #include <servobus/control/detail/command_slot.hpp>
 #include <servobus/control/detail/drive_frame.hpp>
 #include <servobus/control/detail/knowledge.hpp>
-#include <servobus/control/detail/optional_functions.hpp>
 #include <servobus/control/states.hpp>
 #include <servobus/control/supervised_node.hpp>
 #include <servobus/control/supervision.hpp>
@@ -92,8 +91,11 @@ template <class Model, class Exchange> class command_life {
         known_.polling().absence().set_period(retry_every);
         set_command_timeout(as.by.command_timeout, now);
         repeat_stops(stop_every);
-        if constexpr (requires { known_.model().grant_at_most(longest_response); })
-            known_.model().grant_at_most(longest_response);
+        bound_response(longest_response);
+    }
+    /// Waits no longer for a response than the plan counts with, though the drive may say that it responds later.
+    constexpr void bound_response(duration longest) {
+        limits_.response = shorter_of(limits_.response, longest);
     }
     /// A plan has another drive in its place: it is polled no more and refuses all commands but stops.
     constexpr void refuse() {
@@ -115,15 +117,16 @@ template <class Model, class Exchange> class command_life {
     // Ends the command under way and stops all of the drive, for a fault of one motor too. `may_read`: a command
     // that reads the feedback has already succeeded.
     constexpr void stop_because(errc why, bool may_read, instant now) {
+        constexpr stop_priority how = Model::stops.at_fault;
         const bool is_read = may_read && slot_.is_at(command_kind::refresh);
         if (is_read) {
             slot_.set_report({});
-        } else if (!slot_.is_idle() && slot_.command().stop < Model::stop_at_fault) {
+        } else if (!slot_.is_idle() && slot_.command().stop < how) {
             slot_.run().end(why, false);
             settle(now);
         }
         if (slot_.is_stopping()) return;
-        stop(Model::stop_at_fault, is_read ? owner::follow_up : owner::supervisor, steps::urgent_frames, now);
+        stop(how, is_read ? owner::follow_up : owner::supervisor, steps::urgent_frames, now);
     }
     // The routine has ended.
     constexpr void settle(instant now) {
@@ -135,24 +138,20 @@ template <class Model, class Exchange> class command_life {
             slot_.may_try_again())
             return begin(slot_.by(), slot_.run().urgent_left(), now);
         if (was_stop) known_.note_cause(stop_cause::command);
-        if constexpr (requires { Model::positions; }) {
-            if (detail::sets_origin<Model>(slot_.command())) known_.forget_positions();
-        }
+        if (slot_.sets_origin(slot_.command())) known_.forget_positions();
         const command_kind kind = slot_.kind();
         const routine done = slot_.command().steps;
         const owner by = slot_.end(now);
         const bool is_judged = !r && done[r.step].what == step::kind::confirm;
+        const bool moves = Model::kinds.has_motion() && Model::kinds.moves(slot_.command().then);
         slot_.command().steps = no_steps; // the model puts in what follows
-        if (r) {
-            conclude_command(kind, now);
+        const bool is_done = static_cast<bool>(r);
+        const ending e{is_done, done, r, slot_.run().words(), known_.link().watchdog(), limits_};
+        const errc found = known_.model().learn(slot_.command(), e, known_.cached());
+        if (is_done) {
+            slot_.note_done(kind, found);
+            conclude_command(kind, moves, was_stop, now);
         } else {
-            auto& model = known_.model();
-            auto& link = known_.link();
-            if constexpr (requires {
-                              model.fail(slot_.command(), done, r, link.is_expired(), known_.cached(),
-                                         link.watchdog());
-                          })
-                model.fail(slot_.command(), done, r, link.is_expired(), known_.cached(), link.watchdog());
             known_.note_failure(r, is_judged);
             // A stop that goes on by other means ends as those do.
             const bool goes_on =
@@ -175,7 +174,7 @@ template <class Model, class Exchange> class command_life {
     response_limits limits_;
     bus_gaps gaps_;
     std::uint8_t request_[24]{known_.address()};
-    std::uint8_t response_[held_reading::room(Model::image.words)]{};
+    std::uint8_t response_[held_reading::room(image_block<Model>.words)]{};
 
   private:
     // A fault's stop is under way: what would move the drive, or waits for a move, is refused for the fault.
@@ -189,10 +188,8 @@ template <class Model, class Exchange> class command_life {
         return slot_.changes_settings() && (slot_.run().has_written() || is_writing);
     }
     [[gnu::always_inline]] constexpr errc take(prepared_command& next, instant now) {
-        auto& model = known_.model();
-        if constexpr (requires { model.admit(next, limits_, gaps_); }) {
-            if (const errc refusal = model.admit(next, limits_, gaps_); refusal != errc::ok) return refusal;
-        }
+        const duration silence = limits_.response + gaps_.quarantine;
+        if (const errc why = known_.model().admit(next, silence); why != errc::ok) return why;
         std::uint8_t urgent = next.stop != stop_priority::no_stop ? steps::urgent_frames : std::uint8_t{0};
         if (next.stop == stop_priority::no_stop && slot_.is_stopping()) {
             // A supervisor's stop: the take-over is as urgent, and if it fails the stop is repeated.
@@ -203,7 +200,7 @@ template <class Model, class Exchange> class command_life {
         slot_.count_command();
         leave_command();
         slot_.command() = next;
-        known_.note_origin(detail::sets_origin<Model>(next));
+        if (slot_.sets_origin(next)) known_.note_origin();
         begin(owner::application, urgent, now);
         slot_.watch(now);
         return errc::ok;
@@ -264,24 +261,17 @@ template <class Model, class Exchange> class command_life {
         stop(stop_priority::halt, owner::supervisor, slot_.give_up_to_supervisor(), now);
         return true;
     }
-    // The command is done.
-    constexpr void conclude_command(command_kind kind, instant now) {
+    // The command is done. `moves`: the motor that it has energised moves.
+    constexpr void conclude_command(command_kind kind, bool moves, bool is_stop, instant now) {
         if (is_motion(kind)) {
             known_.note_motion(now);
             known_.set_cause(stop_cause::unknown);
         }
-        const bool is_stop = slot_.command().stop != stop_priority::no_stop;
-        auto& model = known_.model();
-        slot_.note_done(kind, model.learn(slot_.command(), slot_.run().words(), known_.cached()));
-        if (known_.is_known()) known_.link().watchdog() = watchdog_of<Model>(known_.cached());
+        if (known_.is_known()) known_.link().watchdog() = Model::watchdog(known_.cached());
         if (kind == command_kind::setting || kind == command_kind::take_over) known_.drop_readings();
-        if constexpr (requires { model.grant(limits_); }) model.grant(limits_);
         if (kind != command_kind::power && kind != command_kind::take_over) return;
         known_.link().verify(now);
         if (!known_.is_enabled() || is_stop) return;
-        bool moves = false;
-        if constexpr (requires { Model::moves_when_enabled(known_.cached()); })
-            moves = Model::moves_when_enabled(known_.cached());
         slot_.note_enabled(moves, now);
         known_.set_cause(stop_cause::unknown);
     }

@@ -51,6 +51,9 @@ template <class Model> class command_slot {
     }
     /// True while the feedback may contradict the cached settings: a stop or a change of settings is under way.
     constexpr bool is_changing() const { return is_stopping() || (!is_idle() && changes_settings()); }
+    /// Positions are counted from elsewhere after the command.
+    static constexpr bool sets_origin(const prepared_command& c) { return Model::kinds.sets_origin(c.then); }
+    constexpr bool is_setting_origin() const { return !is_idle() && sets_origin(command_); }
     constexpr bool is_setpoint_of_application() const {
         return owner_ == owner::application && kind_ == command_kind::endless_motion;
     }
@@ -60,9 +63,8 @@ template <class Model> class command_slot {
     constexpr bool yields_to(const prepared_command& next) const {
         if (next.stop == stop_priority::no_stop)
             return owner_ == owner::supervisor && kind_of(next) == command_kind::take_over;
-        if constexpr (requires { Model::disable_replaces_quick_stop; }) {
-            if (Model::disable_replaces_quick_stop && next.stop == stop_priority::disable &&
-                command_.stop == stop_priority::quick_stop)
+        if constexpr (Model::stops.disable_replaces_quick_stop) {
+            if (next.stop == stop_priority::disable && command_.stop == stop_priority::quick_stop)
                 return true;
         }
         return owner_ == owner::supervisor ? next.stop >= command_.stop : next.stop > command_.stop;

@@ -10,6 +10,7 @@
 #include <servobus/control/detail/drive_link.hpp>
 #include <servobus/control/detail/held_reading.hpp>
 #include <servobus/control/detail/polling.hpp>
+#include <servobus/control/drive_model.hpp>
 #include <servobus/control/routine_status.hpp>
 #include <servobus/control/states.hpp>
 #include <servobus/control/step.hpp>
@@ -24,7 +25,7 @@ template <class Model> class knowledge {
     using polls = detail::polling<Model>;
 
     constexpr knowledge(std::uint8_t node_address, duration feedback)
-        : address_{node_address}, link_{watchdog_of<Model>(Model::unknown)}, polling_{feedback} {}
+        : address_{node_address}, link_{Model::watchdog(Model::unknown)}, polling_{feedback} {}
 
     /// Zero if the device cannot have it.
     constexpr std::uint8_t address() const { return address_; }
@@ -36,8 +37,9 @@ template <class Model> class knowledge {
     constexpr Model& model() { return model_; }
     constexpr const Model& model() const { return model_; }
     constexpr bool is_known() const { return settings_.state != Model::unknown.state; }
-    constexpr bool is_enabled() const { return settings_.state == Model::enabled; }
+    constexpr bool is_enabled() const { return settings_.state == drive_state::enabled; }
     constexpr void invalidate() {
+        is_origin_new_ = true;
         settings_ = Model::unknown;
         polling_.drop();
         held_.drop();
@@ -61,7 +63,7 @@ template <class Model> class knowledge {
     }
     /// `faulted` if the last feedback shows a fault.
     constexpr drive_state state() const {
-        return is_known() && is_faulted() ? Model::faulted : settings_.state;
+        return is_known() && is_faulted() ? drive_state::faulted : settings_.state;
     }
     constexpr bool is_young(duration oldest, instant now) const {
         const auto& read = polling_.image();
@@ -73,54 +75,57 @@ template <class Model> class knowledge {
         polling_.drop(true);
     }
     constexpr void forget_positions() {
-        held_.drop();
-        polling_.slower().forget(Model::positions);
+        if constexpr (Model::blocks.positions() != 0) {
+            held_.drop();
+            polling_.slower().forget(Model::blocks.positions());
+        }
     }
     [[gnu::noinline]] constexpr bool is_refresh_due(instant now) const {
         return is_known() && polling_.is_due(now, is_enabled(), link_.watchdog());
     }
 
-    /// A position that is nearer to zero than speed and time allow: a restart puts it to zero.
+    /// A position in an image is nearer to zero than speed and time allow: a restart puts it to zero.
     constexpr bool has_fallen(const std::uint16_t* words) const {
-        if constexpr (requires { Model::is_fall(words, words, duration{}, settings_); }) {
-            const auto& before = polling_.image();
-            return is_known() && before.has_words && !is_origin_new_ &&
-                   Model::is_fall(before.words, words, since(before.taken, polling_.refreshed()), settings_);
-        } else {
-            return false;
-        }
+        const auto& before = polling_.image();
+        if (!is_known() || !before.has_words || is_origin_new_) return false;
+        block_reading r = reading_of(0, words, polling_.refreshed());
+        r.before = before.words;
+        r.between = since(before.taken, r.taken);
+        return Model::has_fallen(r, settings_);
     }
     constexpr void take_image(const std::uint16_t* words, bool is_origin_new, instant now) {
+        epoch_of_positions_ = static_cast<std::uint8_t>(epoch_of_positions_ + is_origin_new_);
         polling_.take(words);
+        model_.note(reading_of(0, words, polling_.refreshed()), settings_);
         is_image_of_motion_ = true;
         is_origin_new_ = is_origin_new_ && is_origin_new;
         if (since(moved_at_, now) > long_ago + long_ago) moved_at_ = instant{now.us - long_ago.us};
     }
+    constexpr void take_block(std::uint8_t block, const std::uint16_t* words, instant began) {
+        polling_.slower().take(block, words, began);
+        model_.note(reading_of(block, words, began), settings_);
+    }
     /// A position of an enabled drive counts once the image after it shows that the drive is still enabled. One of
     /// another drive counts immediately, unless it has fallen: then the witness is read first.
     constexpr bool withholds(std::uint8_t block, const std::uint16_t* words, bool may_ask_witness) {
-        if constexpr (requires { Model::positions; }) {
-            if (block != Model::positions || !is_known()) return false;
-            if (is_enabled()) return true;
-            const auto& slower = polling_.slower();
-            const bool has_fallen = !is_origin_new_ && slower.has_words(block) &&
-                                    Model::is_fall(slower.words(block), words, settings_);
-            if (!has_fallen || !may_ask_witness) return false;
-            link_.require_check();
-            return true;
-        } else {
-            return false;
-        }
+        if (block != Model::blocks.positions() || !is_known()) return false;
+        if (is_enabled()) return true;
+        const auto& slower = polling_.slower();
+        if (is_origin_new_ || !slower.has_words(block) || !may_ask_witness) return false;
+        block_reading r = reading_of(block, words, {});
+        r.before = slower.words(block);
+        if (!Model::has_fallen(r, settings_)) return false;
+        link_.require_check();
+        return true;
     }
     /// The block that was held back counts from now on.
     constexpr void take_held_block(const std::uint8_t* response) {
-        if constexpr (requires { Model::positions; }) {
+        constexpr std::uint8_t block = Model::blocks.positions();
+        if constexpr (block != 0) {
             if (!held_.is_block()) return;
-            auto& slower = polling_.slower();
             std::uint16_t words[steps::longest]; // NOLINT
-            for (std::size_t i = 0; i < Model::slower[Model::positions].words; ++i)
-                words[i] = held_.words(response)[i];
-            slower.take(Model::positions, words, slower.held_at());
+            for (std::size_t i = 0; i < Model::blocks[block].words; ++i) words[i] = held_.words(response)[i];
+            take_block(block, words, polling_.slower().held_at());
             held_.drop();
         }
     }
@@ -187,9 +192,14 @@ template <class Model> class knowledge {
         return is_image_of_motion_ ? until_image(moved_at_) : duration{};
     }
     /// Positions may be counted from elsewhere since the image.
-    constexpr void note_origin(bool is_new) { is_origin_new_ = is_origin_new_ || is_new; }
+    constexpr void note_origin() { is_origin_new_ = true; }
+    /// Another number: positions may be counted from elsewhere since.
+    constexpr std::uint8_t epoch_of_positions() const { return epoch_of_positions_; }
 
   private:
+    constexpr block_reading reading_of(std::uint8_t block, const std::uint16_t* words, instant taken) const {
+        return {.block = block, .words = words, .taken = taken, .epoch = epoch_of_positions_};
+    }
     static constexpr bool is_uncertain(const routine_status& r, bool is_judged) {
         if (r.error() == errc::faulted || r.error() == errc::not_executed) return false;
         if (r.error() == errc::exception) return r.has_changed;
@@ -203,8 +213,9 @@ template <class Model> class knowledge {
     std::uint8_t address_;
     flight last_frame_ = flight::none;
     stop_cause cause_ = stop_cause::unknown;
-    bool is_image_of_motion_ : 1 = false; // the image was read after the last motion command
-    bool is_origin_new_ : 1 = false;
+    bool is_image_of_motion_ = false; // the image was read after the last motion command
+    bool is_origin_new_ = false;
+    std::uint8_t epoch_of_positions_ = 0;
     held_reading held_{};
     settings settings_ = Model::unknown;
     drive_link<polls::has_watchdog> link_;

@@ -31,7 +31,7 @@ constexpr flight next_frame(const knowledge<Model>& known, const command_slot<Mo
     if (run.awaits_witness() || known.is_witness_due(command, now, on)) return flight::witness;
     const bool is_too_early =
         run.is_waiting() && polling.waited_too_little(now) && !known.is_refresh_due(now);
-    if (run.reads(Model::image))
+    if (run.reads(image_block<Model>))
         return is_too_early && !polling.is_slower_due() ? flight::none : flight::refresh;
     const flight last = known.last_frame();
     // A command's write is the frame after the read on which it relies: nothing may happen between.

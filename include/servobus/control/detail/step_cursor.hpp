@@ -17,11 +17,11 @@ class step_cursor {
     /// Returns the step that is due, until the routine is over.
     constexpr const step& current() const { return *current_; }
     constexpr bool is_at_stop() const { return current().is_repeatable; }
-    constexpr bool is_at_permit() const { return !is_over() && current().what == step::kind::permit; }
     constexpr bool is_at_witness() const { return !is_over() && current().what == step::kind::witness; }
     /// True if the drive's model decides on the step, by the process image.
     constexpr bool asks_model() const {
-        return is_at_permit() || (!is_over() && current().what == step::kind::confirm);
+        const step::kind what = current().what;
+        return !is_over() && (what == step::kind::permit || what == step::kind::confirm);
     }
     /// True if the step needs registers of `of`.
     constexpr bool reads(const register_block& of) const {

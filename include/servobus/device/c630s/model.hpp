@@ -5,8 +5,8 @@
 // changes, which routine stops it, and what follows from a command. c630s/drive.hpp includes it. Source: manual
 // V24.111, chapters 5 to 9.
 //
-//     static_assert(c630s::model::image.contains(c630s::virtual_output_levels.address, 1)); // one short frame
-//     static_assert(watchdog_of<c630s::model>({}) == duration{}); // none is documented: it goes on
+//     static_assert(c630s::model::blocks.image().contains(c630s::virtual_output_levels.address, 1)); // one short frame
+//     static_assert(c630s::model::watchdog({}) == duration{}); // none is documented: it goes on
 #pragma once
 
 #include <cstddef>
@@ -14,7 +14,7 @@
 
 #include <servobus/control/command_kinds.hpp>
 #include <servobus/control/facade.hpp>
-#include <servobus/control/model_parts.hpp>
+#include <servobus/control/image_of.hpp>
 #include <servobus/control/slower_blocks.hpp>
 #include <servobus/device/c630s/commands.hpp>
 #include <servobus/device/c630s/feedback.hpp>
@@ -39,24 +39,23 @@ class model {
                                          .has_homing = true,
                                          .keeps_single_parameters = true};
     /// P17-32: the states of the drive, which `set_up` assigns to its virtual outputs.
-    static constexpr register_block image{virtual_output_levels.address, 1};
-    /// Speed and torque; position; deviation; alarm.
-    static constexpr register_block slower[] = {{actual_speed.address, 4},
-                                                {absolute_position.address, 2},
-                                                {position_deviation.address, 4},
-                                                {selected_fault_record.address, 2}};
-    static constexpr std::uint8_t readings_between = 2;
-    static constexpr std::uint8_t positions = 1; ///< number of the block that a restart may change
+    using states = image_of<virtual_output_levels>;
+    using motions = image_of<actual_speed, speed_command, torque_command, input_state>;
+    using position = image_of<absolute_position>;
+    using deviation = image_of<position_deviation, fine_actual_speed>;
+    using alarm = image_of<selected_fault_record, recorded_alarm>;
+    static constexpr std::uint8_t position_block = 2;
+    static constexpr feedback_blocks blocks =
+        feedback_blocks{states::block, motions::block, position::block, deviation::block, alarm::block}
+            .one_after(2)
+            .positions_in(position_block);
     static constexpr settings unknown{};
-    static constexpr drive_state enabled = drive_state::enabled;
-    static constexpr drive_state faulted = drive_state::faulted;
-    static constexpr stop_priority stop_at_fault = stop_priority::disable;
-    static constexpr model_parts leaves_out{model_part::watchdog};
-    /// Between the restart and the reading that finds it, a command may have switched the servo on.
-    static constexpr bool stops_after_restart = true;
-    /// A quick stop may wait for a standstill that does not come, and a servo-off does not stop a motor whose
-    /// servo-on is wired.
-    static constexpr bool disable_replaces_quick_stop = true;
+    static constexpr stop_rules stops{
+        .at_fault = stop_priority::disable,
+        .after_restart = true, // until the reading that finds it, a command may have switched the servo on
+        // A quick stop may wait for a standstill that does not come, and a servo-off does not stop a motor whose
+        // servo-on is wired.
+        .disable_replaces_quick_stop = true};
 
     static constexpr auto kinds =
         command_kinds<effect>{}
@@ -73,7 +72,9 @@ class model {
                 effect::assigned)
             .of(command_kind::other, effect::none, effect::examined, effect::halted, effect::jog_halted,
                 effect::home_looked_at, effect::arrived, effect::stood, effect::position_read,
-                effect::positions_compared, effect::rivals_seen);
+                effect::positions_compared, effect::rivals_seen)
+            .with_new_origin(effect::homed, effect::forgotten)
+            .with_motion(effect::runs_speed_segments); // by that command itself
 
     /// Before the set-up the outputs have no meaning.
     static constexpr bool is_faulted(const std::uint16_t* w, const settings& known) {
@@ -86,26 +87,26 @@ class model {
         if (is_faulted(w, known)) return verdict::faulted;
         return status_flags::from_word(w[0]).is_brake_released() ? verdict::as_expected : verdict::disabled;
     }
-    static constexpr bool sets_origin(const prepared_command& c) {
-        return c.then == effect::homed || c.then == effect::forgotten;
-    }
     /// Whether the position of a motor without power is nearer to zero than it was: a restart may have put it there.
-    static constexpr bool is_fall(const std::uint16_t* before, const std::uint16_t* now,
-                                  const settings& known) {
+    static constexpr bool has_fallen(const block_reading& r, const settings& known) {
+        if (r.block != position_block) return false;
         const auto magnitude = [&](const std::uint16_t* w) {
             const u32 p = join_words(w[0], w[1], known.word_order);
             return p >> 31 != 0 ? 0u - p : p;
         };
         constexpr u32 trembling = 20; // reference units
-        return magnitude(before) > magnitude(now) && magnitude(before) - magnitude(now) > trembling;
+        const u32 then = magnitude(r.before), there = magnitude(r.words);
+        return then > there && then - there > trembling;
     }
+    /// Nothing here follows the positions.
+    static constexpr void note(const block_reading&, const settings&) {}
     /// P31-00, with the marker: a restart clears it. None while a routine changes it.
     static constexpr steps::recheck witness(const settings& known, const prepared_command& under_way) {
         if (!known.is_marked() || (!under_way.steps.empty() && changes_inputs(under_way))) return {};
         return {.look = routines::same_inputs, .words = {known.inputs}};
     }
-    /// Speed segments are run by `run_speed_segments` itself.
-    static constexpr bool moves_when_enabled(const settings& known) { return known.runs_speed_segments; }
+    /// None is documented: a motor runs on when nothing is sent.
+    static constexpr duration watchdog(const settings&) { return {}; }
     /// A halt, or a quick stop where there is none.
     static constexpr prepared_command stop_for(stop_priority priority, const settings& known, bool) {
         if (priority == stop_priority::disable) return detail::stop_by_all_means(known);
@@ -113,8 +114,8 @@ class model {
         return priority == stop_priority::halt && c.refusal == errc::ok ? c : plan(quick_stop{}, known);
     }
 
-    /// A last check before a command starts.
-    constexpr errc admit(const prepared_command& c, const response_limits&, const bus_gaps&) {
+    /// A wait needs a move.
+    constexpr errc admit(const prepared_command& c, duration) {
         if (c.then == effect::arrived && !motion_.has_goal()) return errc::wrong_state;
         rivals_.forget();
         motion_.ask();
@@ -122,17 +123,15 @@ class model {
         return errc::ok;
     }
     /// Whether a move may start, by the words that it has read: not towards a limit switch that is active.
-    constexpr errc permit(const prepared_command&, slice<const std::uint16_t> words,
-                          const settings& known) const {
+    static constexpr errc permit(const prepared_command&, const situation& now, const settings& known) {
         motion_under_way next{};
-        begin_move(next, words, known);
-        return next.is_towards_limit(words, known.word_order) ? errc::wrong_state : errc::ok;
+        begin_move(next, now.words, known);
+        return next.is_towards_limit(now.words, known.word_order) ? errc::wrong_state : errc::ok;
     }
-    /// Whether the drive has carried out the command. `waited`: until the image was read, since the step
-    /// before or since the start of a move.
-    constexpr errc confirm(const prepared_command& c, const std::uint16_t* w, duration waited,
-                           const settings& known) {
-        const status_flags s = status_flags::from_word(w[0]);
+    /// Whether the drive has carried out the command.
+    constexpr errc confirm(const prepared_command& c, const situation& now, const settings& known) {
+        const duration waited = now.waited;
+        const status_flags s = status_flags::from_word(now.image[0]);
         switch (c.then) {
         case effect::enabled:
         case effect::runs_speed_segments:
@@ -147,9 +146,28 @@ class model {
         }
     }
 
-    /// What a command that is done has changed. Steps that are put into `c` follow as a part of it. Returns the
-    /// error that is reported in place of its success.
-    constexpr errc learn(prepared_command& c, slice<const std::uint16_t> words, settings& known) {
+    /// What a command has changed. Steps that are put into `c` follow as a part of it. Returns the error that is
+    /// reported in place of its success.
+    constexpr errc learn(prepared_command& c, const ending& e, settings& known) {
+        if (!e.is_done) {
+            fail(c, e.steps, e.status, known);
+            return errc::ok;
+        }
+        const errc found = conclude(c, e.words, known);
+        // The drive's own delay, P0C-25, counts on top of the node's response limit.
+        if (response_ == duration{}) response_ = e.limits.response;
+        e.limits.response = response_ + milliseconds(response_delay_ms_);
+        return found;
+    }
+
+    /// A motion was replaced that may have started.
+    constexpr void preempt(const prepared_command&) { motion_.forget(); }
+
+    constexpr std::uint16_t conflict() const { return rivals_.conflict(); }
+    constexpr const motion_under_way& motion() const { return motion_; }
+
+  private:
+    constexpr errc conclude(prepared_command& c, slice<const std::uint16_t> words, settings& known) {
         switch (c.then) {
         case effect::initialised: return take_over(c, words, known);
         case effect::looked: set_up_.look(c, words, known); break;
@@ -219,11 +237,8 @@ class model {
         }
         return errc::ok;
     }
-    /// A motion was replaced that may have started.
-    constexpr void preempt(const prepared_command&) { motion_.forget(); }
-    /// A command has failed at a step of the table `failed`. Steps that are put into `c` follow.
-    constexpr void fail(prepared_command& c, routine failed, const routine_status& r, bool, settings& known,
-                        duration&) {
+    // A command has failed at a step of the table `failed`.
+    constexpr void fail(prepared_command& c, routine failed, const routine_status& r, settings& known) {
         const effect was = c.then;
         const bool is_answer = r.error() != errc::port_lost && r.error() != errc::clock_stopped;
         const bool is_restart = known.state == drive_state::enabled && r.error() == errc::needs_init;
@@ -251,19 +266,6 @@ class model {
         if (set_up_.leaves_keeping(was, failed, r)) c = {.steps = routines::give_up_keeping};
         if (set_up_.is_part(was) || was == effect::forgotten) known = unknown;
     }
-
-    /// The drive's own delay, P0C-25, counts on top of the node's response limit, as far as a bus grants it.
-    constexpr void grant(response_limits& limits) {
-        if (response_ == duration{}) response_ = limits.response;
-        const duration wanted = response_ + milliseconds(response_delay_ms_);
-        limits.response = shorter_of(wanted, most_granted_);
-    }
-    constexpr void grant_at_most(duration response) { most_granted_ = response; }
-
-    constexpr std::uint16_t conflict() const { return rivals_.conflict(); }
-    constexpr const motion_under_way& motion() const { return motion_; }
-
-  private:
     static constexpr bool changes_inputs(const prepared_command& c) {
         const command_kind kind = kinds[c.then];
         if (kind == command_kind::take_over || kind == command_kind::power) return true;
@@ -307,7 +309,6 @@ class model {
 
     motion_under_way motion_{};
     duration response_{}; // the node's, once a command has succeeded
-    duration most_granted_{0xFFFF'FFFF};
     set_up_progress set_up_{};
     word_order word_order_of_move_ = word_order::low_first;
     std::uint16_t response_delay_ms_ = 0;

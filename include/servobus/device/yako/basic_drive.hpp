@@ -108,7 +108,7 @@ template <class Device, class Line> class basic_drive : public facade<model<Devi
   private:
     constexpr basic_feedback<Device> last_feedback() const {
         const cached_settings& known = this->cached();
-        return basic_feedback<Device>::from_words({this->image(), model<Device>::image.words},
+        return basic_feedback<Device>::from_words({this->image(), model<Device>::blocks.image().words},
                                                   known.word_order, known.resolution);
     }
     template <class Wanted> static constexpr void check_variant() {

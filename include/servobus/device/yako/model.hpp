@@ -6,7 +6,7 @@
 // variants share it. yako/basic_drive.hpp includes it. A drive may acknowledge a command that it does not
 // carry out (manual V2.6.0, sections 4.1 and 5.1), so each is confirmed by the feedback.
 //
-//     static_assert(yako::model<yako::closed_loop::device>::image.contains(yako::actual_position.address, 2));
+//     static_assert(yako::model<yako::closed_loop::device>::blocks.image().contains(yako::actual_position.address, 2));
 #pragma once
 
 #include <cstddef>
@@ -15,7 +15,7 @@
 
 #include <servobus/control/command_kinds.hpp>
 #include <servobus/control/facade.hpp>
-#include <servobus/control/model_parts.hpp>
+#include <servobus/control/image_of.hpp>
 #include <servobus/device/yako/motion.hpp>
 #include <servobus/device/yako/parameters.hpp>
 
@@ -33,21 +33,17 @@ template <class Device> class model {
                                          .changes_speed_on_the_run = false,
                                          .has_homing = true,
                                          .keeps_single_parameters = false};
-    /// A drive that has restarted is energised, and obeys a start that was sent before the restart was found.
-    static constexpr bool stops_after_restart = true;
     static constexpr bool is_closed_loop = detail::is_closed_loop<Device>;
-    /// 0006h..000Ch: error, status, terminals, position and speed in one frame.
-    static constexpr register_block image{error_code.address, 7};
+    /// 0006h..000Ch in one frame. Both variants have these registers at the same addresses.
+    using image = image_of<error_code, status_word, closed_loop::input_state, closed_loop::output_state,
+                           actual_position, closed_loop::actual_speed>;
+    static constexpr feedback_blocks blocks{image::block};
     static constexpr settings unknown{.is_closed_loop = is_closed_loop};
-    static constexpr drive_state enabled = drive_state::enabled;
-    static constexpr drive_state faulted = drive_state::faulted;
-    /// The shaft stays held: a release would let a load fall.
-    static constexpr stop_priority stop_at_fault = stop_priority::halt;
-    static constexpr model_parts leaves_out{
-        model_part::watchdog,           model_part::slower,
-        model_part::positions,          model_part::disable_replaces_quick_stop,
-        model_part::moves_when_enabled, model_part::grant,
-        model_part::grant_at_most};
+    static constexpr stop_rules stops{
+        .at_fault = stop_priority::halt, // the shaft stays held: a release would let a load fall
+        .after_restart =
+            true, // it is energised, and obeys a start that was sent before the restart was found
+        .disable_replaces_quick_stop = false};
 
     static constexpr auto kinds =
         command_kinds<effect>{}
@@ -61,30 +57,27 @@ template <class Device> class model {
                 effect::limited, effect::unlimited, effect::word_order_set, effect::resolution_set,
                 effect::forgotten, effect::reset, effect::position_cleared, effect::segment_set)
             .of(command_kind::other, effect::none, effect::trusted, effect::positions_compared,
-                effect::arrived, effect::stop_examined);
+                effect::arrived, effect::stop_examined)
+            // A position in the other word order is another number too.
+            .with_new_origin(effect::homed, effect::position_cleared, effect::word_order_set);
 
     static constexpr bool is_faulted(const std::uint16_t* w, const settings&) {
         return status_of(w).has_alarm();
     }
-
     /// A homing that is lost shows a restart. The drive's own bit says whether the motor has power: an input can
     /// take it away.
-    constexpr verdict judge(const std::uint16_t* w, settings& known) {
+    static constexpr verdict judge(const std::uint16_t* w, settings& known) {
         const motion_status s = status_of(w);
-        if (!s.is_moving()) motion_.end_creep();
         if (!follow(s, known)) return verdict::disabled;
         if (!s.has_alarm()) return verdict::as_expected;
         return s.is_enabled() ? verdict::faulted : verdict::tripped;
     }
-    /// A position in the other word order is another number too.
-    static constexpr bool sets_origin(const prepared_command& c) {
-        return c.then == effect::homed || c.then == effect::position_cleared ||
-               c.then == effect::word_order_set;
+    /// Whether the position is nearer to zero than the speed and the time between two images allow.
+    static constexpr bool has_fallen(const block_reading& r, const settings& known) {
+        return motion_type::is_fall(r.before, r.words, r.between, known);
     }
-    /// Whether the position is nearer to zero than the speed and the time `between` two images allow.
-    static constexpr bool is_fall(const std::uint16_t* before, const std::uint16_t* now, duration between,
-                                  const settings& known) {
-        return motion_type::is_fall(before, now, between, known);
+    constexpr void note(const block_reading& r, const settings&) {
+        if (!status_of(r.words).is_moving()) motion_.end_creep();
     }
     /// The marker; without one, what else a restart may change.
     static constexpr steps::recheck witness(const settings& known, const prepared_command&) {
@@ -94,25 +87,26 @@ template <class Device> class model {
                 .words = {static_cast<std::uint16_t>(known.word_order == word_order::high_first ? 0 : 1),
                           static_cast<std::uint16_t>(known.resolution)}};
     }
+    /// It has none: a motor runs on when nothing is sent.
+    static constexpr duration watchdog(const settings&) { return {}; }
     static constexpr prepared_command stop_for(stop_priority priority, const settings& known, bool) {
         if (priority == stop_priority::quick_stop) return plan(quick_stop{}, known);
         if (priority == stop_priority::disable) return plan(disable{}, known);
         return plan(halt{}, known);
     }
 
-    /// A last check before a command starts.
-    constexpr errc admit(const prepared_command& c, const response_limits&, const bus_gaps&) {
+    /// A wait needs a move.
+    constexpr errc admit(const prepared_command& c, duration) {
         if (c.then == effect::arrived && !motion_.has_goal()) return errc::wrong_state;
         if (is_motion(c.then)) motion_.ask();
         if (c.stop != stop_priority::no_stop) motion_.end_creep();
         return errc::ok;
     }
-    /// Whether the drive is as the command requires. A bounded jog that is still under way is done when this
-    /// returns.
-    constexpr errc permit(prepared_command& c, const std::uint16_t* w, settings& known) {
-        const motion_status s = status_of(w);
+    /// Whether the drive is as the command requires. A bounded jog that is still under way is done when this returns.
+    constexpr errc permit(prepared_command& c, const situation& now, settings& known) {
+        const motion_status s = status_of(now.image);
         if (!follow(s, known)) return errc::needs_init;
-        const bool goes_on = motion_.goes_on(c, w);
+        const bool goes_on = motion_.goes_on(c, now.image);
         if (has(c.needs, requirement::healthy) && s.has_alarm()) return errc::faulted;
         if (has(c.needs, requirement::enabled) && !s.is_enabled()) return errc::wrong_state;
         if (has(c.needs, requirement::released) && s.is_enabled()) return errc::wrong_state;
@@ -124,16 +118,16 @@ template <class Device> class model {
             motion_.note(motion_check::seen);
             c.steps = no_steps;
         } else if (is_motion(c.then)) {
-            motion_.begin(c, w, known);
+            motion_.begin(c, now.image, known);
             if (c.then == effect::homed) lose_home(known);
         }
         return errc::ok;
     }
-    /// Whether a command that was acknowledged is carried out; or whether a move has arrived. `since_start`: of
-    /// the image, after the start was acknowledged. An alarm that comes meanwhile has ended the command by then: each
+    /// Whether a command that was acknowledged is carried out; or whether a move has arrived. An alarm that comes meanwhile has ended the command by then: each
     /// image is judged first.
-    constexpr errc confirm(const prepared_command& c, const std::uint16_t* w, duration since_start,
-                           settings& known) {
+    constexpr errc confirm(const prepared_command& c, const situation& now, settings& known) {
+        const std::uint16_t* const w = now.image;
+        const duration since_start = now.waited;
         const motion_status s = status_of(w);
         switch (c.then) {
         case effect::kept:
@@ -155,9 +149,14 @@ template <class Device> class model {
         }
     }
 
-    /// What a command that is done has changed. Steps that are put into `c` follow as a part of it. Returns the
-    /// error that is reported in place of its success.
-    constexpr errc learn(prepared_command& c, slice<const std::uint16_t> words, settings& known) {
+    /// What a command has changed. Steps that are put into `c` follow as a part of it. Returns the error that is
+    /// reported in place of its success.
+    constexpr errc learn(prepared_command& c, const ending& e, settings& known) {
+        if (!e.is_done) {
+            fail(c, e.status, known);
+            return errc::ok;
+        }
+        const slice<const std::uint16_t> words = e.words;
         note_profile(c, known);
         switch (c.then) {
         case effect::initialised: return take_over(c, words, known);
@@ -207,33 +206,6 @@ template <class Device> class model {
     }
     /// A motion was replaced that may have started.
     constexpr void preempt(const prepared_command&) { motion_.forget(); }
-    /// A command has failed, and steps that are put into `c` follow.
-    constexpr void fail(prepared_command& c, routine, const routine_status& r, bool, settings& known,
-                        duration&) {
-        if (c.then == effect::kept && r.error() == errc::not_executed) return mark(c, 0, known);
-        if (r.error() == errc::stopped_short && known.state != drive_state::needs_init) {
-            c = {.steps = is_closed_loop ? routine{routines::examine_stop_in_closed_loop}
-                                         : routine{routines::examine_stop_in_open_loop},
-                 .then = effect::stop_examined};
-            return;
-        }
-        if (!is_motion(c.then) || r.step < start_step_of(c)) return;
-        // After a refused read a homing goes on; other motions are supervised by their own feedback.
-        const bool is_after_start = r.step > start_step_of(c);
-        const bool is_unseen_homing =
-            c.then == effect::homed && is_after_start && r.outcome() == outcome::refused;
-        if (r.outcome() != outcome::unknown && !is_unseen_homing) return;
-        if (r.error() == errc::not_executed) return note_profile(c, known);
-        motion_.note(motion_check::unknown);
-        if (c.then == effect::homed) {
-            if (r.error() != errc::faulted) c = plan(halt{}, known);
-            return;
-        }
-        if (is_after_start) return;
-        c.steps = known.is_marked ? routine{routines::after_start} : routine{routines::after_start_unmarked};
-        c.arguments = {{known.marker[0], known.marker[1]}};
-        c.then = effect::positions_compared;
-    }
 
     constexpr motion_check motion() const { return motion_.seen(); }
     constexpr stop_cause cause() const { return motion_.cause(); }
@@ -258,6 +230,31 @@ template <class Device> class model {
         return c.then == effect::jogged || c.has_profile ? routines::start_step : routines::stored_start_step;
     }
 
+    constexpr void fail(prepared_command& c, const routine_status& r, settings& known) {
+        if (c.then == effect::kept && r.error() == errc::not_executed) return mark(c, 0, known);
+        if (r.error() == errc::stopped_short && known.state != drive_state::needs_init) {
+            c = {.steps = is_closed_loop ? routine{routines::examine_stop_in_closed_loop}
+                                         : routine{routines::examine_stop_in_open_loop},
+                 .then = effect::stop_examined};
+            return;
+        }
+        if (!is_motion(c.then) || r.step < start_step_of(c)) return;
+        // After a refused read a homing goes on; other motions are supervised by their own feedback.
+        const bool is_after_start = r.step > start_step_of(c);
+        const bool is_unseen_homing =
+            c.then == effect::homed && is_after_start && r.outcome() == outcome::refused;
+        if (r.outcome() != outcome::unknown && !is_unseen_homing) return;
+        if (r.error() == errc::not_executed) return note_profile(c, known);
+        motion_.note(motion_check::unknown);
+        if (c.then == effect::homed) {
+            if (r.error() != errc::faulted) c = plan(halt{}, known);
+            return;
+        }
+        if (is_after_start) return;
+        c.steps = known.is_marked ? routine{routines::after_start} : routine{routines::after_start_unmarked};
+        c.arguments = {{known.marker[0], known.marker[1]}};
+        c.then = effect::positions_compared;
+    }
     // Where the axis is, is not known any more: nor is what an earlier program found.
     static constexpr void lose_home(settings& known) {
         known.is_homed = false;

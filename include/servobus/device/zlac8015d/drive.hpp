@@ -121,7 +121,7 @@ template <class Line> class drive : public facade<model, Line> {
         return arrival(end);
     }
     constexpr zlac8015d::feedback last_feedback() const {
-        return zlac8015d::feedback::from_words({this->image(), model::image.words});
+        return zlac8015d::feedback::from_words({this->image(), model::blocks.image().words});
     }
 };
 template <class Line> drive(Line&, std::uint8_t, const supervision&) -> drive<Line>;

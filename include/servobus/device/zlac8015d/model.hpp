@@ -12,7 +12,7 @@
 
 #include <servobus/control/command_kinds.hpp>
 #include <servobus/control/facade.hpp>
-#include <servobus/control/model_parts.hpp>
+#include <servobus/control/image_of.hpp>
 #include <servobus/device/zlac8015d/commands.hpp>
 
 namespace servobus::zlac8015d {
@@ -36,21 +36,15 @@ class model {
                                          .changes_speed_on_the_run = true,
                                          .has_homing = false,
                                          .keeps_single_parameters = false};
-    /// 20A2h..20ACh: status, temperatures, faults, positions and speeds in one frame.
-    static constexpr register_block image{status_word.address, 11};
-    static constexpr drive_state enabled = drive_state::enabled;
+    /// 20A2h..20ACh in one frame.
+    using image =
+        image_of<status_word, hall_state, motor_temperature, left_faults, right_faults, left_actual_position,
+                 right_actual_position, left_actual_speed, right_actual_speed>;
+    static constexpr feedback_blocks blocks{image::block};
     static constexpr settings unknown{};
-    /// A fault of one wheel stops both.
-    static constexpr stop_priority stop_at_fault = stop_priority::disable;
-    static constexpr model_parts leaves_out{model_part::permit,
-                                            model_part::slower,
-                                            model_part::positions,
-                                            model_part::stops_after_restart,
-                                            model_part::disable_replaces_quick_stop,
-                                            model_part::moves_when_enabled,
-                                            model_part::grant,
-                                            model_part::grant_at_most};
-    static constexpr drive_state faulted = drive_state::faulted;
+    static constexpr stop_rules stops{.at_fault = stop_priority::disable, // a fault of one wheel stops both
+                                      .after_restart = false,
+                                      .disable_replaces_quick_stop = false};
 
     static constexpr auto kinds =
         command_kinds<effect>{}
@@ -61,10 +55,12 @@ class model {
             .of(command_kind::endless_motion, effect::motion)
             .of(command_kind::refresh, effect::seen)
             .of(command_kind::other, effect::none, effect::positions_compared, effect::positions_cleared,
-                effect::arrived);
+                effect::arrived)
+            .with_new_origin(effect::positions_cleared);
 
     static constexpr bool is_faulted(const std::uint16_t* w, const settings&) {
-        return w[3] != 0 || w[4] != 0 || is_either(w[0], shaft_state::alarm);
+        return w[image::place_of<left_faults>] != 0 || w[image::place_of<right_faults>] != 0 ||
+               is_either(w[image::place_of<status_word>], shaft_state::alarm);
     }
     /// A shaft that is free at standstill, although the drive was enabled, shows a restart; one that is driven
     /// may read as free, and then the mode shows it [errata B30].
@@ -74,34 +70,38 @@ class model {
             known.state = drive_state::disabled;
             return verdict::faulted;
         }
-        if (is_either(w[0], shaft_state::emergency_stop)) {
+        const std::uint16_t status = w[image::place_of<status_word>];
+        if (is_either(status, shaft_state::emergency_stop)) {
             known.state = drive_state::quick_stopped;
             return verdict::held;
         }
-        if (!is_either(w[0], shaft_state::released)) return verdict::as_expected;
-        const bool is_running = (w[0] & status_flags::running_bits) != 0;
+        if (!is_either(status, shaft_state::released)) return verdict::as_expected;
+        const bool is_running = (status & status_flags::running_bits) != 0;
         return known.mode == operating_mode::torque || is_running ? verdict::uncertain : verdict::disabled;
     }
-    static constexpr bool sets_origin(const prepared_command& c) {
-        return c.then == effect::positions_cleared;
-    }
-    /// Whether a position is nearer to zero than the speeds and the time `between` two images allow. A speed counts
+    /// Whether a position is nearer to zero than the speeds and the time between two images allow. A speed counts
     /// 0.1 r/min, and a turn has at most 16384 counts (2030h, 2060h).
-    static constexpr bool is_fall(const std::uint16_t* before, const std::uint16_t* now, duration between,
-                                  const settings&) {
-        const std::uint32_t ms = between.us >> 22 != 0 ? 4096u : between.us >> 10; // at most
+    static constexpr bool has_fallen(const block_reading& r, const settings&) {
+        const std::uint16_t* const before = r.before;
+        const std::uint16_t* const now = r.words;
+        constexpr std::size_t speeds = image::place_of<left_actual_speed>;
+        constexpr std::size_t places = image::place_of<left_actual_position>;
+        const std::uint32_t ms = r.between.us >> 22 != 0 ? 4096u : r.between.us >> 10; // at most
         for (std::size_t wheel = 0; wheel < 2; ++wheel) {
-            const std::uint32_t then_speed = magnitude(static_cast<std::int16_t>(before[9 + wheel]));
-            const std::uint32_t now_speed = magnitude(static_cast<std::int16_t>(now[9 + wheel]));
+            const std::uint32_t then_speed = magnitude(static_cast<std::int16_t>(before[speeds + wheel]));
+            const std::uint32_t now_speed = magnitude(static_cast<std::int16_t>(now[speeds + wheel]));
             const std::uint32_t faster = then_speed < now_speed ? now_speed : then_speed;
-            const std::uint32_t then = magnitude(static_cast<std::int32_t>(pair(before + 5 + 2 * wheel)));
-            const std::uint32_t there = magnitude(static_cast<std::int32_t>(pair(now + 5 + 2 * wheel)));
+            const std::uint32_t then =
+                magnitude(static_cast<std::int32_t>(pair(before + places + 2 * wheel)));
+            const std::uint32_t there = magnitude(static_cast<std::int32_t>(pair(now + places + 2 * wheel)));
             // 16384 / 600 000, rounded up. Where a restart puts it, all but a trembling raises a suspicion.
             const std::uint32_t allowed = there <= 64u ? 10u : (faster * ms >> 5) + 64u;
             if (then > there && then - there > allowed) return true;
         }
         return false;
     }
+    /// Nothing here follows the positions.
+    static constexpr void note(const block_reading&, const settings&) {}
     /// A restart loses the mode.
     static constexpr steps::recheck witness(const settings& known, const prepared_command&) {
         return {.look = known.state == drive_state::enabled ? routines::same_mode : nullptr,
@@ -129,18 +129,21 @@ class model {
         return c;
     }
 
-    /// A last check before a command starts.
-    constexpr errc admit(const prepared_command& c, const response_limits& limits, const bus_gaps& gaps) {
+    /// A wait needs a move, and one lost frame must not use up the time of the drive's watchdog.
+    constexpr errc admit(const prepared_command& c, duration silence) {
         if (c.then == effect::arrived && (goals_ & c.arguments[0]) == 0) return errc::wrong_state;
         motion_ = motion_check::not_asked;
         if (c.then != effect::timeout_set || c.arguments[0] == 0) return errc::ok;
-        // One lost frame must not use it up.
-        const std::uint32_t shortest_us = limits.response.us + gaps.quarantine.us + 50'000;
-        return c.arguments[0] * 1000u < shortest_us ? errc::out_of_range : errc::ok;
+        return c.arguments[0] * 1000u < silence.us + 50'000 ? errc::out_of_range : errc::ok;
     }
-    /// What a command that is done has changed. Steps that are put into `c` follow as a part of it. Returns the
-    /// error that is reported in place of its success.
-    constexpr errc learn(prepared_command& c, slice<const std::uint16_t> words, settings& known) {
+    /// What a command has changed. Steps that are put into `c` follow as a part of it. Returns the error that is
+    /// reported in place of its success.
+    constexpr errc learn(prepared_command& c, const ending& e, settings& known) {
+        if (!e.is_done) {
+            fail(c, e, known);
+            return errc::ok;
+        }
+        const slice<const std::uint16_t> words = e.words;
         const bool is_known = known.state != drive_state::needs_init;
         switch (c.then) {
         case effect::initialised:
@@ -184,33 +187,13 @@ class model {
     constexpr void preempt(const prepared_command& c) {
         goals_ = static_cast<std::uint8_t>(goals_ & ~static_cast<unsigned>(c.which));
     }
-    /// A command has failed, and steps that are put into `c` follow. `timeout` is that of the
-    /// drive's watchdog, which may have got a shorter one all the same.
-    constexpr void fail(prepared_command& c, routine, const routine_status& r, bool is_expired,
-                        const settings& known, duration& timeout) {
-        if (r.outcome() != outcome::unknown) return;
-        if (c.then == effect::timeout_set && watchdog(c.arguments[0]) < timeout)
-            timeout = watchdog(c.arguments[0]);
-        // Enabled perhaps, and its status does not show it [errata B30].
-        if (c.then == effect::enabled && r.error() == errc::not_reached) {
-            c.steps = routines::stop_both;
-            c.then = effect::none;
-            c.stop = stop_priority::disable;
-        }
-        if (c.then != effect::moved || r.step < routines::start_step) return;
-        goals_ = 0;
-        motion_ = motion_check::unknown;
-        if (is_expired || known.state == drive_state::needs_init)
-            return; // the positions are of before a restart
-        c.steps = routines::post_check;
-        c.arguments[0] = static_cast<std::uint16_t>(known.mode);
-        c.then = effect::positions_compared;
+    /// None of its commands asks.
+    static constexpr errc permit(const prepared_command&, const situation&, const settings&) {
+        return errc::ok;
     }
-
     /// Whether the move that a command waits for has ended at its target.
-    constexpr errc confirm(const prepared_command& c, const std::uint16_t* w, duration since_start,
-                           const settings&) const {
-        switch (arrival_of(static_cast<wheels>(c.arguments[0]), w, since_start).how) {
+    constexpr errc confirm(const prepared_command& c, const situation& now, const settings&) const {
+        switch (arrival_of(static_cast<wheels>(c.arguments[0]), now.image, now.waited).how) {
         case arrival_state::under_way: return errc::busy;
         case arrival_state::stopped_short: return errc::stopped_short;
         case arrival_state::none:
@@ -260,6 +243,25 @@ class model {
     constexpr distance missing(std::size_t wheel, const std::uint16_t* w) const {
         return distance{
             static_cast<std::int32_t>(goal_[wheel] - pair(w + routines::before_word + 2 * wheel))};
+    }
+    // A shorter time of the drive's watchdog may be set all the same.
+    constexpr void fail(prepared_command& c, const ending& e, const settings& known) {
+        if (e.status.outcome() != outcome::unknown) return;
+        if (c.then == effect::timeout_set && watchdog(c.arguments[0]) < e.watchdog)
+            e.watchdog = watchdog(c.arguments[0]);
+        // Enabled perhaps, and its status does not show it [errata B30].
+        if (c.then == effect::enabled && e.status.error() == errc::not_reached) {
+            c.steps = routines::stop_both;
+            c.then = effect::none;
+            c.stop = stop_priority::disable;
+        }
+        if (c.then != effect::moved || e.status.step < routines::start_step) return;
+        goals_ = 0;
+        motion_ = motion_check::unknown;
+        if (known.state == drive_state::needs_init) return; // the positions are of before a restart
+        c.steps = routines::post_check;
+        c.arguments[0] = static_cast<std::uint16_t>(known.mode);
+        c.then = effect::positions_compared;
     }
     // The targets as positions of the feedback: of a relative move, from where it began.
     constexpr void keep_goals(const prepared_command& c, slice<const std::uint16_t> words,

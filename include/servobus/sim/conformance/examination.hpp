@@ -74,7 +74,7 @@ template <class Subject> class conformance_examination : protected conformance_p
     void examine_image(trial_type& t) {
         if constexpr (requires { detail::model_of_facade(t.drive()); }) {
             using model = decltype(detail::model_of_facade(t.drive()));
-            const unsigned begin = model::image.address, end = begin + model::image.words;
+            const unsigned begin = model::blocks.image().address, end = begin + model::blocks.image().words;
             for (const step& s : commands::prepared(read_feedback{}, t.drive().cached()).steps) {
                 const unsigned first = s.address, last = first + s.count - 1u;
                 if (s.what != step::kind::fetch || first >= end || last < begin) continue;

@@ -1,0 +1,110 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// What a drive's model answers: four questions, about a command that is to begin, about a reading, about a command that has
+// ended, and about a stop. `drive_model` checks every name and every form of it. device/README.md explains each.
+//
+//     template <servobus::drive_model Model> constexpr bool stops(servobus::stop_priority how) {
+//         return Model::stop_for(how, Model::unknown, false).stop == how;
+//     }
+#pragma once
+
+#include <servobus/core/cxx20.hpp>
+
+#include <concepts>
+#include <cstdint>
+#include <type_traits>
+
+#include <servobus/control/drive_traits.hpp>
+#include <servobus/control/image.hpp>
+#include <servobus/control/routine_status.hpp>
+#include <servobus/control/states.hpp>
+#include <servobus/control/step.hpp>
+#include <servobus/core/response_limits.hpp>
+#include <servobus/core/slice.hpp>
+#include <servobus/core/time.hpp>
+
+namespace servobus {
+
+/// A constant of a model that has no default: one that is left out does not compile.
+template <class T> class stated {
+  public:
+    constexpr stated(T value) : value_{value} {}    // NOLINT: implicit, `.after_restart = true`
+    constexpr operator T() const { return value_; } // NOLINT: likewise
+
+  private:
+    T value_;
+};
+
+/// When a drive is stopped although no command asks for it, and what its stops replace.
+struct stop_rules {
+    /// The stop that answers a fault.
+    stated<stop_priority> at_fault;
+    /// True for a drive that may be energised after a restart: a command may reach it before the restart shows.
+    stated<bool> after_restart;
+    /// True if `disable` also replaces a quick stop that is under way.
+    stated<bool> disable_replaces_quick_stop;
+};
+
+/// What is known of the drive when a step of a command asks.
+struct situation {
+    const std::uint16_t* image;       ///< the process image
+    slice<const std::uint16_t> words; ///< what the routine has read (`steps::fetch`)
+    /// From the start of the last motion to the image, kept between one and two minutes once it is longer. Of a command
+    /// that energises the motor or frees it: from the step before.
+    duration waited;
+};
+
+/// A block of the feedback that has come.
+struct block_reading {
+    std::uint8_t block;                    ///< its number in the model's `blocks`
+    const std::uint16_t* words;            ///< as many as it has registers
+    const std::uint16_t* before = nullptr; ///< of the reading before it; null if the two cannot be compared
+    duration between{};                    ///< from that to this one
+    instant taken{};                       ///< when its request began to leave: the values are no older
+    std::uint8_t epoch = 0;                ///< another number: positions may be counted from elsewhere since
+};
+
+/// The end of a command.
+struct ending {
+    bool is_done;  ///< false: it has failed
+    routine steps; ///< those that have ended
+    const routine_status& status;
+    slice<const std::uint16_t> words; ///< what they have read
+    duration&
+        watchdog; ///< the time of the drive's watchdog, if a command that failed may have made it shorter
+    response_limits& limits; ///< of the drive's responses, if it says itself how late they come
+};
+
+namespace detail {
+template <class Model, class Command, class Settings>
+concept answers = requires(Model m, const Model& seen, Command& c, const Command& planned, Settings& known,
+                           const Settings& read, const situation& now, const block_reading& r,
+                           const ending& e) {
+    { m.admit(planned, duration{}) } -> std::same_as<errc>;
+    { m.permit(c, now, known) } -> std::same_as<errc>;
+    { Model::is_faulted(now.image, read) } -> std::same_as<bool>;
+    { m.judge(now.image, known) } -> std::same_as<servobus::verdict>;
+    { Model::has_fallen(r, read) } -> std::same_as<bool>;
+    m.note(r, known);
+    { m.confirm(planned, now, known) } -> std::same_as<errc>;
+    { m.learn(c, e, known) } -> std::same_as<errc>;
+    m.preempt(planned);
+    { Model::stop_for(stop_priority::halt, read, true) } -> std::same_as<Command>;
+    { seen.witness(read, planned) } -> std::same_as<steps::recheck>;
+    { Model::watchdog(read) } -> std::same_as<duration>;
+};
+} // namespace detail
+
+/// A class that describes a drive for its facade: constants, and answers to the questions of device/README.md.
+template <class Model>
+concept drive_model = requires {
+    { Model::traits } -> std::convertible_to<drive_traits>;
+    { Model::unknown } -> std::convertible_to<typename Model::settings>;
+    { Model::stops } -> std::convertible_to<stop_rules>;
+    { Model::kinds.is_complete() } -> std::same_as<bool>;
+    { Model::blocks[0] } -> std::convertible_to<register_block>;
+}
+&&detail::answers<Model, typename Model::prepared_command, typename Model::settings>;
+
+} // namespace servobus
