@@ -81,17 +81,24 @@ constexpr zlac::prepared_command plan_init() {
 }
 static_assert(plan_init().steps.size() != 0);
 struct short_model : zlac::model {
-    static constexpr servobus::errc admit(const zlac::prepared_command&, const servobus::response_limits&,
-                                          const servobus::bus_gaps&);
-    static constexpr servobus::errc permit(const zlac::prepared_command&, const std::uint16_t*,
-                                           const zlac::cached_settings&);
-    static constexpr servobus::register_block image{zlac::status_word.address, 1};
+    static constexpr servobus::errc admit(const zlac::prepared_command&, servobus::duration) {
+        return servobus::errc::ok;
+    }
+    static constexpr void preempt(const zlac::prepared_command&) {}
+    static constexpr servobus::feedback_blocks blocks{servobus::image_of<zlac::status_word>::block};
+    static constexpr std::uint8_t fault_at =
+        servobus::image_of<zlac::left_faults>::place_of<zlac::left_faults>;
+    static constexpr servobus::stop_rules stops{.at_fault = servobus::stop_priority::disable,
+                                                .after_restart = false,
+                                                .disable_replaces_quick_stop = false};
 };
+static_assert(servobus::drive_model<short_model> && short_model::fault_at == 0);
 enum class effect : std::uint8_t { none, moved, end };
 inline constexpr auto kinds = servobus::command_kinds<effect>{}
                                   .of(servobus::command_kind::other, effect::none)
-                                  .of(servobus::command_kind::move, effect::moved);
-static_assert(kinds.is_complete());
+                                  .of(servobus::command_kind::move, effect::moved)
+                                  .with_new_origin();
+static_assert(kinds.is_complete() && kinds.are_origins_stated());
 
 struct hooks {
     std::uint8_t before_write(const tank_changes&) { return 0; }

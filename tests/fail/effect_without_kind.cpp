@@ -5,7 +5,8 @@
 // EXPECT: an effect has no kind
 // MEND: inline constexpr auto kinds = servobus::command_kinds<effect>{}
 //     .of(servobus::command_kind::other, effect::none)
-//     .of(servobus::command_kind::move, effect::moved);
+//     .of(servobus::command_kind::move, effect::moved)
+//     .with_new_origin();
 #include <servobus/device/zlac8015d.hpp>
 
 #include "program.hpp"
@@ -18,7 +19,8 @@ struct own_command : zlac::prepared_command {
 };
 struct model : zlac::model {
     using prepared_command = own_command;
-    static constexpr auto kinds = command_kinds<effect>{}.of(command_kind::other, effect::none); // wrong
+    static constexpr auto kinds =
+        command_kinds<effect>{}.of(command_kind::other, effect::none).with_new_origin(); // wrong
 };
 
 int main() { return sizeof(facade<model, line<some_port>>) == 0 ? 1 : 0; }

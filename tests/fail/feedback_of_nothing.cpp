@@ -3,7 +3,7 @@
 //
 // A model whose feedback is empty.
 // EXPECT: the feedback of a model is at least one register
-// MEND: static constexpr servobus::register_block image{zlac::status_word.address, 1};
+// MEND: static constexpr servobus::feedback_blocks blocks{servobus::image_of<zlac::status_word>::block};
 #include <servobus/device/zlac8015d.hpp>
 
 #include "program.hpp"
@@ -11,7 +11,7 @@
 using namespace servobus;
 
 struct model : zlac::model {
-    static constexpr register_block image{zlac::status_word.address, 0}; // wrong
+    static constexpr feedback_blocks blocks{register_block{zlac::status_word.address, 0}}; // wrong
 };
 
 int main() { return sizeof(facade<model, line<some_port>>) == 0 ? 1 : 0; }

@@ -27,9 +27,9 @@
 namespace servobus {
 
 /// A constant of a model that has no default: one that is left out does not compile.
-template <class T> class stated {
+template <class T> class must_be_stated {
   public:
-    constexpr stated(T value) : value_{value} {}    // NOLINT: implicit, `.after_restart = true`
+    constexpr must_be_stated(T value) : value_{value} {}    // NOLINT: implicit, `.after_restart = true`
     constexpr operator T() const { return value_; } // NOLINT: likewise
 
   private:
@@ -39,11 +39,11 @@ template <class T> class stated {
 /// When a drive is stopped although no command asks for it, and what its stops replace.
 struct stop_rules {
     /// The stop that answers a fault.
-    stated<stop_priority> at_fault;
+    must_be_stated<stop_priority> at_fault;
     /// True for a drive that may be energised after a restart: a command may reach it before the restart shows.
-    stated<bool> after_restart;
+    must_be_stated<bool> after_restart;
     /// True if `disable` also replaces a quick stop that is under way.
-    stated<bool> disable_replaces_quick_stop;
+    must_be_stated<bool> disable_replaces_quick_stop;
 };
 
 /// What is known of the drive when a step of a command asks.

@@ -28,6 +28,13 @@ namespace servobus {
 
 /// A facade of one drive on `Line`; nothing else sends to the drive. `Model` describes it (device/README.md).
 template <class Model, class Line> class facade {
+    static_assert(Model::kinds.is_complete(),
+                  "an effect has no kind: each is listed in the `kinds` of the model");
+    static_assert(Model::kinds.are_origins_stated(),
+                  "which commands have a new origin is stated: `with_new_origin()` of `kinds`, for none too");
+    static_assert(image_block<Model>.words != 0, "the feedback of a model is at least one register");
+    static_assert(image_block<Model>.words <= steps::longest,
+                  "the feedback of a model is at most 11 registers");
     static_assert(drive_model<Model>,
                   "a model has each part of device/README.md, in the form that it has there");
 
@@ -197,14 +204,6 @@ template <class Model, class Line> class facade {
 
     Line* line_;
     machine_type machine_;
-
-    static_assert(Model::kinds.is_complete(),
-                  "an effect has no kind: each is listed in the `kinds` of the model");
-    static_assert(Model::kinds.are_origins_stated(),
-                  "which commands have a new origin is stated: `with_new_origin()` of `kinds`, for none too");
-    static_assert(image_block<Model>.words != 0, "the feedback of a model is at least one register");
-    static_assert(image_block<Model>.words <= steps::longest,
-                  "the feedback of a model is at most 11 registers");
 };
 
 } // namespace servobus
