@@ -138,7 +138,7 @@ template <class Model, class Exchange> class command_life {
             slot_.may_try_again())
             return begin(slot_.by(), slot_.run().urgent_left(), now);
         if (was_stop) known_.note_cause(stop_cause::command);
-        if (slot_.sets_origin(slot_.command())) known_.forget_positions();
+        if (slot_.is_setting_origin()) known_.forget_positions();
         const command_kind kind = slot_.kind();
         const routine done = slot_.command().steps;
         const owner by = slot_.end(now);
@@ -200,7 +200,6 @@ template <class Model, class Exchange> class command_life {
         slot_.count_command();
         leave_command();
         slot_.command() = next;
-        if (slot_.sets_origin(next)) known_.note_origin();
         begin(owner::application, urgent, now);
         slot_.watch(now);
         return errc::ok;
@@ -224,6 +223,7 @@ template <class Model, class Exchange> class command_life {
             frame_.drain(is_write() && !slot_.run().is_at_stop());
         }
         slot_.begin(by, urgent, now);
+        if (slot_.is_setting_origin()) known_.note_origin();
     }
     // True if a command has ended.
     [[gnu::always_inline]] constexpr bool check_link(instant now, std::uint8_t losses) {
@@ -268,8 +268,9 @@ template <class Model, class Exchange> class command_life {
             known_.set_cause(stop_cause::unknown);
         }
         if (known_.is_known()) known_.link().watchdog() = Model::watchdog(known_.cached());
-        if (kind == command_kind::setting || kind == command_kind::take_over) known_.drop_readings();
-        if (kind != command_kind::power && kind != command_kind::take_over) return;
+        const bool is_take_over = kind == command_kind::take_over;
+        if (kind == command_kind::setting || is_take_over) known_.drop_readings(is_take_over);
+        if (kind != command_kind::power && !is_take_over) return;
         known_.link().verify(now);
         if (!known_.is_enabled() || is_stop) return;
         slot_.note_enabled(moves, now);

@@ -52,8 +52,7 @@ template <class Model> class command_slot {
     /// True while the feedback may contradict the cached settings: a stop or a change of settings is under way.
     constexpr bool is_changing() const { return is_stopping() || (!is_idle() && changes_settings()); }
     /// Positions are counted from elsewhere after the command.
-    static constexpr bool sets_origin(const prepared_command& c) { return Model::kinds.sets_origin(c.then); }
-    constexpr bool is_setting_origin() const { return !is_idle() && sets_origin(command_); }
+    constexpr bool is_setting_origin() const { return !is_idle() && Model::kinds.sets_origin(command_.then); }
     constexpr bool is_setpoint_of_application() const {
         return owner_ == owner::application && kind_ == command_kind::endless_motion;
     }

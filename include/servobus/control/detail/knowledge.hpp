@@ -70,7 +70,9 @@ template <class Model> class knowledge {
         return read.has_words && !read.is_old && since(read.taken, now) <= oldest;
     }
     /// Makes all readings old, since the settings have changed. They still say whether the drive has a fault.
-    constexpr void drop_readings() {
+    /// `is_taken_over`: the drive may be another one, or have restarted before.
+    constexpr void drop_readings(bool is_taken_over) {
+        epoch_of_positions_ = static_cast<std::uint8_t>(epoch_of_positions_ + is_taken_over);
         held_.drop();
         polling_.drop(true);
     }
@@ -94,16 +96,15 @@ template <class Model> class knowledge {
         return Model::has_fallen(r, settings_);
     }
     constexpr void take_image(const std::uint16_t* words, bool is_origin_new, instant now) {
-        epoch_of_positions_ = static_cast<std::uint8_t>(epoch_of_positions_ + is_origin_new_);
         polling_.take(words);
-        model_.note(reading_of(0, words, polling_.refreshed()), settings_);
+        note(0, words, polling_.refreshed());
         is_image_of_motion_ = true;
         is_origin_new_ = is_origin_new_ && is_origin_new;
         if (since(moved_at_, now) > long_ago + long_ago) moved_at_ = instant{now.us - long_ago.us};
     }
     constexpr void take_block(std::uint8_t block, const std::uint16_t* words, instant began) {
         polling_.slower().take(block, words, began);
-        model_.note(reading_of(block, words, began), settings_);
+        note(block, words, began);
     }
     /// A position of an enabled drive counts once the image after it shows that the drive is still enabled. One of
     /// another drive counts immediately, unless it has fallen: then the witness is read first.
@@ -197,6 +198,11 @@ template <class Model> class knowledge {
     constexpr std::uint8_t epoch_of_positions() const { return epoch_of_positions_; }
 
   private:
+    // While a command sets an origin each reading may count from another one.
+    constexpr void note(std::uint8_t block, const std::uint16_t* words, instant taken) {
+        epoch_of_positions_ = static_cast<std::uint8_t>(epoch_of_positions_ + is_origin_new_);
+        model_.note(reading_of(block, words, taken), settings_);
+    }
     constexpr block_reading reading_of(std::uint8_t block, const std::uint16_t* words, instant taken) const {
         return {.block = block, .words = words, .taken = taken, .epoch = epoch_of_positions_};
     }

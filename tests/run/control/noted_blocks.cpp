@@ -1,0 +1,200 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// Each block of the feedback that has come reaches the drive's model, also during a stop, with its words, when its request
+// began to leave, and an epoch that changes where positions may be counted from elsewhere: after a restart, a lost port, a
+// homing, a position that was cleared, and not otherwise.
+#include <cstdint>
+#include <vector>
+
+#include <doctest/doctest.h>
+
+#include <tests/support/driven_c630s.hpp>
+#include <tests/support/driven_zlac8015d.hpp>
+
+namespace noted_blocks_tests {
+
+using namespace servobus;
+using namespace servobus::units;
+
+namespace {
+
+struct noted {
+    std::uint8_t block;
+    std::vector<std::uint16_t> words;
+    instant taken;
+    std::uint8_t epoch;
+};
+/// A drive's model that keeps what it is told.
+template <class Model> struct following : Model {
+    static inline std::vector<noted> told;
+
+    void note(const block_reading& r, typename Model::settings& known) {
+        told.push_back({r.block, {r.words, r.words + Model::blocks[r.block].words}, r.taken, r.epoch});
+        Model::note(r, known);
+    }
+};
+using wheels_model = following<zlac8015d::model>;
+struct wheels_rig : simulated::driven_zlac8015d {
+    struct own_drive : facade<wheels_model, line_type> {
+        explicit own_drive(line_type& on)
+            : facade<wheels_model, line_type>{on, node<zlac8015d::device>{1}, milliseconds(20),
+                                              no_command_timeout} {}
+    };
+    own_drive wheels{line};
+
+    wheels_rig() { wheels_model::told.clear(); }
+    void loop(std::uint32_t ms) {
+        const std::uint64_t end = wire.time_us() + std::uint64_t{ms} * 1000u;
+        while (wire.time_us() < end) {
+            const duration idle = wheels.step();
+            wire.wait(idle.us == 0 ? microseconds(10) : idle);
+        }
+    }
+    std::uint8_t epoch() const { return wheels_model::told.back().epoch; }
+    /// The epochs that were seen since the `from`th block, each once.
+    static std::size_t epochs_since(std::size_t from) {
+        std::size_t n = 1;
+        for (std::size_t i = from + 1; i < wheels_model::told.size(); ++i)
+            n += wheels_model::told[i].epoch != wheels_model::told[i - 1].epoch ? 1u : 0u;
+        return n;
+    }
+};
+
+using servo_model = following<c630s::model>;
+struct servo_rig : simulated::simulated_c630s {
+    struct own_drive : facade<servo_model, line_type> {
+        explicit own_drive(line_type& on)
+            : facade<servo_model, line_type>{on, node<c630s::device>{1}, milliseconds(20),
+                                             no_command_timeout} {}
+    };
+    own_drive servo{line};
+
+    servo_rig() {
+        servo_model::told.clear();
+        REQUIRE(servo.run(init{}));
+        REQUIRE(servo.run(c630s::set_up{}));
+        model.power_cycle();
+        REQUIRE(servo.run(init{}));
+    }
+    void loop(std::uint32_t ms) {
+        const std::uint64_t end = wire.time_us() + std::uint64_t{ms} * 1000u;
+        while (wire.time_us() < end) {
+            const duration idle = servo.step();
+            wire.wait(idle.us == 0 ? microseconds(10) : idle);
+        }
+    }
+};
+
+} // namespace
+
+TEST_CASE(
+    "each image reaches the model, with the time at which its request began to leave, also during a stop") {
+    wheels_rig r;
+    REQUIRE(r.wheels.run(init{}));
+    REQUIRE(r.wheels.run(enable{}));
+    REQUIRE(r.wheels.run(zlac8015d::velocity{100 * r_per_min, 100 * r_per_min}));
+    const std::size_t before = wheels_model::told.size();
+    const instant begun{static_cast<std::uint32_t>(r.wire.time_us())};
+    r.loop(200);
+    const std::size_t turning = wheels_model::told.size();
+    CHECK(turning - before >= 9);
+    REQUIRE(r.wheels.run(halt{}));
+    CHECK(wheels_model::told.size() > turning); // the halt waits for standstill
+    instant last = begun;
+    for (std::size_t i = before; i < wheels_model::told.size(); ++i) {
+        const noted& n = wheels_model::told[i];
+        CHECK(n.block == 0);
+        CHECK(n.words.size() == 11);
+        CHECK_FALSE(since(last, n.taken) > milliseconds(60));
+        last = n.taken;
+    }
+    const auto& words = wheels_model::told[turning].words;
+    const auto place = static_cast<std::int32_t>(join_words(words[5], words[6], word_order::high_first));
+    CHECK(place > 0);
+    CHECK(place <= r.model.left().position);
+}
+
+TEST_CASE("the epoch of positions stays while a drive runs, is enabled, halted and set") {
+    wheels_rig r;
+    REQUIRE(r.wheels.run(init{}));
+    r.loop(100);
+    const std::size_t from = wheels_model::told.size() - 1;
+    REQUIRE(r.wheels.run(enable{}));
+    REQUIRE(r.wheels.run(zlac8015d::velocity{100 * r_per_min, -100 * r_per_min}));
+    r.loop(500);
+    REQUIRE(r.wheels.run(quick_stop{}));
+    REQUIRE(r.wheels.run(disable{}));
+    REQUIRE(r.wheels.run(zlac8015d::watchdog{800 * millisecond}));
+    r.loop(100);
+    CHECK(r.epochs_since(from) == 1);
+}
+
+TEST_CASE("the epoch of positions changes after they were cleared, a restart and a lost port") {
+    wheels_rig r;
+    REQUIRE(r.wheels.run(init{}));
+    r.loop(100);
+    std::uint8_t was = r.epoch();
+    SUBCASE("cleared") {
+        const std::size_t from = wheels_model::told.size();
+        REQUIRE(r.wheels.run(zlac8015d::clear_position{}));
+        r.loop(100);
+        CHECK(r.epoch() != was);
+        CHECK(wheels_model::told[from].epoch != was); // what is read while it may happen is neither
+        was = r.epoch();
+        r.loop(100);
+        CHECK(r.epoch() == was);
+    }
+    SUBCASE("a restart") {
+        REQUIRE(r.wheels.run(enable{}));
+        r.model.power_cycle();
+        r.loop(1000);
+        REQUIRE(r.wheels.state() == drive_state::needs_init);
+        REQUIRE(r.wheels.run(init{}));
+        r.loop(100);
+        CHECK(r.epoch() != was);
+    }
+    SUBCASE("an init") { // before it nothing is known: what happened to the drive is not either
+        r.wire.pass(milliseconds(5000));
+        r.loop(10);
+        REQUIRE(r.wheels.state() == drive_state::needs_init);
+        REQUIRE(r.wheels.run(init{}));
+        r.loop(100);
+        CHECK(r.epoch() != was);
+    }
+}
+
+TEST_CASE("each block of a servo's feedback reaches its model") {
+    servo_rig r;
+    const std::size_t from = servo_model::told.size();
+    r.loop(1000);
+    unsigned times[5]{};
+    for (std::size_t i = from; i < servo_model::told.size(); ++i) {
+        const noted& n = servo_model::told[i];
+        ++times[n.block];
+        CHECK(n.words.size() == c630s::model::blocks[n.block].words);
+        CHECK(n.epoch == servo_model::told[from].epoch);
+    }
+    CHECK(times[0] >= 30);
+    for (std::size_t b = 1; b < 5; ++b) CHECK(times[b] >= 3);
+}
+
+TEST_CASE("the epoch of positions changes while a servo is homed, and stays after it") {
+    servo_rig r;
+    r.model.attach(
+        {.home_from = 200'000, .home_to = 260'000, .negative_limit = -900'000, .positive_limit = 900'000});
+    REQUIRE(r.servo.run(c630s::homing_by{c630s::homing_mode::forward_home_switch, 300 * r_per_min,
+                                         60 * r_per_min, 100 * millisecond, 30'000}));
+    r.loop(300);
+    REQUIRE(r.servo.run(c630s::enable_in{c630s::control_mode::position}));
+    r.loop(100);
+    const std::uint8_t was = servo_model::told.back().epoch;
+    REQUIRE(r.servo.run(c630s::home{30 * second}));
+    r.loop(100);
+    const std::uint8_t homed = servo_model::told.back().epoch;
+    CHECK(homed != was);
+    r.loop(500);
+    CHECK(servo_model::told.back().epoch == homed);
+}
+
+} // namespace noted_blocks_tests
