@@ -29,8 +29,8 @@ namespace servobus {
 /// A constant of a model that has no default: one that is left out does not compile.
 template <class T> class must_be_stated {
   public:
-    constexpr must_be_stated(T value) : value_{value} {}    // NOLINT: implicit, `.after_restart = true`
-    constexpr operator T() const { return value_; } // NOLINT: likewise
+    constexpr must_be_stated(T value) : value_{value} {} // NOLINT: implicit, `.after_restart = true`
+    constexpr operator T() const { return value_; }      // NOLINT: likewise
 
   private:
     T value_;
@@ -78,9 +78,8 @@ struct ending {
 
 namespace detail {
 template <class Model, class Command, class Settings>
-concept answers = requires(Model m, const Model& seen, Command& c, const Command& planned, Settings& known,
-                           const Settings& read, const situation& now, const block_reading& r,
-                           const ending& e) {
+concept answers = requires(Model m, Command& c, const Command& planned, Settings& known, const Settings& read,
+                           const situation& now, const block_reading& r, const ending& e) {
     { m.admit(planned, duration{}) } -> std::same_as<errc>;
     { m.permit(c, now, known) } -> std::same_as<errc>;
     { Model::is_faulted(now.image, read) } -> std::same_as<bool>;
@@ -91,7 +90,7 @@ concept answers = requires(Model m, const Model& seen, Command& c, const Command
     { m.learn(c, e, known) } -> std::same_as<errc>;
     m.preempt(planned);
     { Model::stop_for(stop_priority::halt, read, true) } -> std::same_as<Command>;
-    { seen.witness(read, planned) } -> std::same_as<steps::recheck>;
+    { Model::witness(read, planned) } -> std::same_as<steps::recheck>;
     { Model::watchdog(read) } -> std::same_as<duration>;
 };
 } // namespace detail

@@ -48,7 +48,13 @@ template <class Model, class Exchange> class command_life {
             return next.refusal == errc::wrong_state && known_.is_faulted() ? errc::faulted : next.refusal;
         if (next.steps.empty()) return errc::bad_argument; // `no_steps` without a reason
         if (!slot_.is_idle()) {
-            if (!slot_.yields_to(next)) return is_stopped_for_fault(next) ? errc::faulted : errc::busy;
+            if (!slot_.yields_to(next)) {
+                // During a fault's stop what would move the drive, or waits for a move, is refused for the fault.
+                const bool is_for_fault = slot_.by() == owner::supervisor &&
+                                          known_.cause() == stop_cause::fault &&
+                                          Model::kinds[next.then] != command_kind::refresh;
+                return is_for_fault ? errc::faulted : errc::busy;
+            }
             if (leaves_unknown()) {
                 known_.invalidate();
                 // The frames of a stop follow from what is known.
@@ -134,7 +140,7 @@ template <class Model, class Exchange> class command_life {
         if (slot_.is_setpoint_of_application()) slot_.supervisors().note_command(now);
         const bool was_stop = slot_.is_stopping();
         // A stop that does not read back was acknowledged by a late response to another write: once more.
-        if (!slot_.is_by(owner::follow_up) && was_stop && r.error() == errc::unexpected_value &&
+        if (slot_.by() != owner::follow_up && was_stop && r.error() == errc::unexpected_value &&
             slot_.may_try_again())
             return begin(slot_.by(), slot_.run().urgent_left(), now);
         if (was_stop) known_.note_cause(stop_cause::command);
@@ -177,11 +183,6 @@ template <class Model, class Exchange> class command_life {
     std::uint8_t response_[held_reading::room(image_block<Model>.words)]{};
 
   private:
-    // A fault's stop is under way: what would move the drive, or waits for a move, is refused for the fault.
-    constexpr bool is_stopped_for_fault(const prepared_command& next) const {
-        return slot_.is_by(owner::supervisor) && known_.cause() == stop_cause::fault &&
-               slot_.kind_of(next) != command_kind::refresh;
-    }
     // True if the command under way may have changed a setting already.
     constexpr bool leaves_unknown() const {
         const bool is_writing = frame_.is_step_sent(exchange_) && is_write();

@@ -34,15 +34,9 @@ template <class Model> class command_slot {
     constexpr detail::supervisors& supervisors() { return supervisors_; }
 
     constexpr command_kind kind() const { return kind_; }
-    static constexpr command_kind kind_of(const prepared_command& c) { return Model::kinds[c.then]; }
     constexpr bool is_at(command_kind k) const { return !is_idle() && kind_ == k; }
     constexpr bool is_stopping() const { return !is_idle() && command_.stop != stop_priority::no_stop; }
     constexpr owner by() const { return owner_; }
-    constexpr bool is_by(owner who) const { return owner_ == who; }
-    /// The command changes what values mean, or finds out anew what the drive is.
-    constexpr bool changes_readings() const {
-        return is_at(command_kind::setting) || is_at(command_kind::take_over);
-    }
     /// A stop confirms the state in which it leaves the drive.
     constexpr bool changes_settings() const {
         if (command_.stop != stop_priority::no_stop) return false;
@@ -61,7 +55,7 @@ template <class Model> class command_slot {
     /// with every kind of stop, one of a supervisor.
     constexpr bool yields_to(const prepared_command& next) const {
         if (next.stop == stop_priority::no_stop)
-            return owner_ == owner::supervisor && kind_of(next) == command_kind::take_over;
+            return owner_ == owner::supervisor && Model::kinds[next.then] == command_kind::take_over;
         if constexpr (Model::stops.disable_replaces_quick_stop) {
             if (next.stop == stop_priority::disable && command_.stop == stop_priority::quick_stop)
                 return true;
@@ -72,7 +66,7 @@ template <class Model> class command_slot {
         std::uint16_t shift = 0;
         if constexpr (requires { command_.shift; }) shift = command_.shift;
         owner_ = by;
-        kind_ = kind_of(command_);
+        kind_ = Model::kinds[command_.then];
         run_.begin(command_.steps, command_.arguments, shift, command_.limit, urgent, by == owner::follow_up,
                    now);
     }
