@@ -124,8 +124,10 @@ template <class Model, class Exchange> class drive_machine : public detail::comm
                 if (const step_type* look = known_.witness(slot_.command()).look; look != nullptr)
                     block = {look->address, look->count};
             } else {
-                block = known_.polling().choose(run(), known_.last_frame() != flight::refresh &&
-                                                           known_.polling().is_image_due(now));
+                const polls& polling = known_.polling();
+                const bool is_image_first = known_.last_frame() != flight::refresh &&
+                                            polling.is_image_due(now) && !polling.may_wait_for(slot_, now);
+                block = known_.polling().choose(run(), is_image_first);
             }
             constexpr auto read = modbus::function::read_holding_registers;
             modbus::put_trusted_request(pdu, read, block.address, block.words);

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSL-1.0
 //
 // A facade whose feedback has blocks that are read less often, the C630S's: how old they may be, what the loss of one
-// costs, and what a restart during a halt means.
+// costs, what a read of all of them takes, and what a restart during a halt means.
 #include <doctest/doctest.h>
 
 #include <cstdint>
@@ -104,6 +104,52 @@ TEST_CASE("G21, S5: a restart during a halt is found, after a lost response at o
         CHECK(r.servo.is_idle());
         CHECK_FALSE(r.model.enabled());
         CHECK(r.servo.begin(velocity{10 * r_per_min}) == errc::needs_init);
+    }
+}
+
+TEST_CASE("a read of the whole feedback takes five frames, whatever is polled beside it, and one of the "
+          "status takes one") {
+    rig r;
+    r.loop(500);
+    const std::uint64_t begun = r.wire.time_us();
+    std::uint32_t whole = 0;
+    std::uint32_t light = 0;
+    constexpr unsigned reads = 400;
+    for (unsigned i = 0; i < reads; ++i) {
+        r.loop(3 + i * 37 % 31); // at all phases of the polls
+        std::uint32_t before = r.wire.requests();
+        REQUIRE(r.servo.read());
+        whole += r.wire.requests() - before;
+        r.loop(3 + i * 17 % 31);
+        before = r.wire.requests();
+        REQUIRE(r.servo.read_status());
+        light += r.wire.requests() - before;
+    }
+    // The witness is read besides, twice a second; a frame that is on its way already serves a read too.
+    const auto witnesses = static_cast<std::uint32_t>((r.wire.time_us() - begun) / 500'000 + 1);
+    CHECK(whole <= 5 * reads + witnesses);
+    CHECK(whole > 4 * reads);
+    CHECK(light <= reads + witnesses);
+}
+
+TEST_CASE("G35: a fault shows within two periods also to a program that does nothing but read the feedback") {
+    rig r;
+    REQUIRE(r.servo.run(enable_in{control_mode::speed}));
+    for (unsigned i = 0; i < 30; ++i) {
+        CAPTURE(i);
+        r.loop(300);
+        REQUIRE(r.servo.begin(read_feedback{}) == errc::ok);
+        r.loop(i);
+        r.model.raise(0x610);
+        const std::uint64_t raised = r.wire.time_us();
+        while (r.servo.cause() != stop_cause::fault && r.wire.time_us() - raised < 200'000) {
+            if (r.servo.is_idle()) (void)r.servo.begin(read_feedback{});
+            r.loop(1);
+        }
+        CHECK(r.wire.time_us() - raised < 2 * 20'000 + 10'000);
+        r.loop(1000);
+        REQUIRE(r.servo.run(fault_reset{}));
+        REQUIRE(r.servo.run(enable_in{control_mode::speed}));
     }
 }
 

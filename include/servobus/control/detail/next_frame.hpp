@@ -37,7 +37,9 @@ constexpr flight next_frame(const knowledge<Model>& known, const command_slot<Mo
     // A command's write is the frame after the read on which it relies: nothing may happen between.
     const bool relies_on_it =
         (last == flight::step_read || last == flight::witness) && run.current().what == step::kind::write;
-    if (known.is_refresh_due(now) && last != flight::refresh && !relies_on_it) return flight::refresh;
+    bool is_poll_due = known.is_refresh_due(now);
+    if constexpr (polls::has_slower) is_poll_due = is_poll_due && !polling.may_wait_for(slot, now);
+    if (is_poll_due && last != flight::refresh && !relies_on_it) return flight::refresh;
     if constexpr (polls::has_slower) {
         if (polling.is_slower_for(run))
             return polling.is_early_for(run, now) ? flight::none : flight::refresh;

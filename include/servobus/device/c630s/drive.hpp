@@ -62,9 +62,9 @@ template <class Line> class drive : public facade<model, Line> {
         return this->cached().state == drive_state::needs_power_cycle;
     }
 
-    /// The feedback, read at most `oldest` ago: where the facade is polled, the status is as old as its period, and
-    /// the rest, of which one part is read with every second status, at most eight of them. Errors: `needs_init`; `busy`
-    /// while a command changes settings; `timeout` if any of it is older or was not read.
+    /// The feedback, read at most `oldest` ago: where the facade is polled, the status is as old as its period, while
+    /// `read` is under way as two, and the rest, of which one part is read with every second status, at most as eight.
+    /// Errors: `needs_init`; `busy` while a command changes settings; `timeout` if any of it is older or was not read.
     constexpr result<c630s::feedback> feedback(duration oldest) const {
         errc why = this->check_feedback(oldest);
         if (why == errc::ok && !this->slower().are_younger(oldest, this->line().now())) why = errc::timeout;
