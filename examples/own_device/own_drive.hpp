@@ -256,7 +256,7 @@ class model {
         return errc::ok; // none of its commands asks
     }
 
-    // What does this reading say?
+    // What does the feedback say?
 
     static constexpr bool is_faulted(const std::uint16_t* w, const settings&) {
         return w[image::place_of<fault>] != 0;
@@ -272,8 +272,8 @@ class model {
         return is_energised ? servobus::verdict::as_expected : servobus::verdict::disabled;
     }
     /// No restart of it shows by its position.
-    static constexpr bool has_fallen(const servobus::block_reading&, const settings&) { return false; }
-    static constexpr void note(const servobus::block_reading&, const settings&) {}
+    static constexpr bool has_fallen(const servobus::block_feedback&, const settings&) { return false; }
+    static constexpr void note(const servobus::block_feedback&, const settings&) {}
     /// Is the move at its end?
     constexpr errc confirm(const prepared_command&, const servobus::situation& now, const settings&) const {
         switch (arrival_of(now.image, now.waited).how) {

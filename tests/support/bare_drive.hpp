@@ -59,8 +59,8 @@ class model {
     static inline verdict (*judges)(std::uint16_t) = [](std::uint16_t) { return verdict::as_expected; };
     static verdict judge(const std::uint16_t* w, settings&) { return judges(w[0]); }
     static constexpr bool is_faulted(const std::uint16_t*, const settings&) { return false; }
-    static constexpr bool has_fallen(const block_reading&, const settings&) { return false; }
-    static constexpr void note(const block_reading&, const settings&) {}
+    static constexpr bool has_fallen(const block_feedback&, const settings&) { return false; }
+    static constexpr void note(const block_feedback&, const settings&) {}
     static constexpr duration watchdog(const settings&) { return {}; }
     static constexpr steps::recheck witness(const settings& known, const command&) { return known.witness; }
     /// The stop of a supervisor is the test's.

@@ -185,9 +185,9 @@ struct plan_reference {
             if (d.by.feedback.us == 0) continue;
             add(answered(d.gaps, 8, 5u + 2u * d.image_words), poll_period(d));
             add(answered(d.gaps, 8, 9), 500'000);
-            if (d.readings_between == 0) continue;
+            if (d.refreshes_between == 0) continue;
             billionths += answered(d.gaps, 8, 5u + 2u * d.slower_words) * 1'000'000'000 / d.by.feedback.us /
-                          d.readings_between;
+                          d.refreshes_between;
         }
         for (const requested_node& r : requests)
             add(std::max(answered(r.gaps, 8, 5u + 2u * r.words), answered(r.gaps, 9u + 2u * r.words, 8)),

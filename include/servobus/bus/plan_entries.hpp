@@ -110,7 +110,7 @@ struct controlled_node : supervised_node {
     duration keep_alive{};     ///< after it the facade counts the drive's own watchdog as expired; 0: none
     std::uint8_t image_words = 0;
     std::uint8_t slower_words = 0;     ///< in the longest block that is read less often
-    std::uint8_t readings_between = 0; ///< readings of the image for one of a slower block
+    std::uint8_t refreshes_between = 0; ///< refreshes of the image for one of a slower block
 };
 
 /// A drive with a facade of `Model`.
@@ -147,7 +147,7 @@ template <device_class Device> consteval auto controlled(const node<Device>& at,
     d.keep_alive = model::watchdog(model::unknown);
     d.image_words = model::blocks.image().words;
     d.slower_words = model::blocks.longest_other();
-    d.readings_between = model::blocks.images_between();
+    d.refreshes_between = model::blocks.images_between();
     return d;
 }
 

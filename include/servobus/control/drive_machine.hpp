@@ -135,7 +135,7 @@ template <class Model, class Exchange> class drive_machine : public detail::comm
         // The machine's own frame needs no check.
         const std::size_t response = this->is_write() ? 8u : 5u + 2u * block.words;
         const bytes request = modbus::close_trusted<typename Exchange::crc>(this->request_, size);
-        std::size_t at = known_.held().size(); // behind a reading that is held back
+        std::size_t at = known_.held().size(); // behind feedback that is held back
         if (at + response > sizeof this->response_) {
             known_.held().drop();
             at = 0;
@@ -158,11 +158,11 @@ template <class Model, class Exchange> class drive_machine : public detail::comm
             if (run().reads(image_block<Model>)) run().fail_read(got, this->limits_, this->read_retries_);
             return;
         }
-        known_.polling().note_reading(began);
-        conclude_reading(exchange_.words(), false, now);
+        known_.polling().note_refresh(began);
+        conclude_image(exchange_.words(), false, now);
     }
     // Uses an image. `is_verified`: it was held back until the witness was read.
-    constexpr void conclude_reading(words_view read, bool is_verified, instant now) {
+    constexpr void conclude_image(words_view read, bool is_verified, instant now) {
         std::uint16_t words[image_block<Model>.words]; // NOLINT: all are filled
         for (std::size_t i = 0; i < image_block<Model>.words; ++i) words[i] = read[i];
         const bool is_fall = !is_verified && known_.has_fallen(words);
@@ -240,7 +240,7 @@ template <class Model, class Exchange> class drive_machine : public detail::comm
             if (known_.held().is_image()) {
                 const words_view words = known_.held().words(this->response_);
                 known_.held().drop();
-                conclude_reading(words, true, now);
+                conclude_image(words, true, now);
             }
             if (!slot_.is_idle()) run().conclude_witness(now);
             return;

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// What a drive's model answers: four questions, about a command that is to begin, about a reading, about a command that has
+// What a drive's model answers: four questions, about a command that is to begin, about its feedback, about a command that has
 // ended, and about a stop. `drive_model` checks every name and every form of it. device/README.md explains each.
 //
 //     template <servobus::drive_model Model> constexpr bool stops(servobus::stop_priority how) {
@@ -56,10 +56,10 @@ struct situation {
 };
 
 /// A block of the feedback that has come.
-struct block_reading {
+struct block_feedback {
     std::uint8_t block;                    ///< its number in the model's `blocks`
     const std::uint16_t* words;            ///< as many as it has registers
-    const std::uint16_t* before = nullptr; ///< of the reading before it; null if the two cannot be compared
+    const std::uint16_t* before = nullptr; ///< of the refresh before it; null if the two cannot be compared
     duration between{};                    ///< from that to this one
     instant taken{};                       ///< when its request began to leave: the values are no older
     std::uint8_t epoch = 0;                ///< another number: positions may be counted from elsewhere since
@@ -79,7 +79,7 @@ struct ending {
 namespace detail {
 template <class Model, class Command, class Settings>
 concept answers = requires(Model m, Command& c, const Command& planned, Settings& known, const Settings& read,
-                           const situation& now, const block_reading& r, const ending& e) {
+                           const situation& now, const block_feedback& r, const ending& e) {
     { m.admit(planned, duration{}) } -> std::same_as<errc>;
     { m.permit(c, now, known) } -> std::same_as<errc>;
     { Model::is_faulted(now.image, read) } -> std::same_as<bool>;

@@ -49,7 +49,7 @@ template <class Model, class Line> class drive_view {
     constexpr const settings& cached() const { return machine_.known().cached(); }
     /// Why the drive stopped following its last motion command; `unknown` while it follows.
     constexpr stop_cause cause() const { return machine_.known().cause(); }
-    /// The drive does not respond. One with a watchdog has not for its time; any other has not to three readings in a
+    /// The drive does not respond. One with a watchdog has not for its time; any other has not to three refreshes in a
     /// row, and is then read once a second, on a bus once in the retry period of its plan.
     constexpr bool is_absent() const { return machine_.known().is_absent(); }
 

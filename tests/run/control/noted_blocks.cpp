@@ -29,7 +29,7 @@ struct noted {
 template <class Model> struct following : Model {
     static inline std::vector<noted> told;
 
-    void note(const block_reading& r, typename Model::settings& known) {
+    void note(const block_feedback& r, typename Model::settings& known) {
         told.push_back({r.block, {r.words, r.words + Model::blocks[r.block].words}, r.taken, r.epoch});
         Model::note(r, known);
     }

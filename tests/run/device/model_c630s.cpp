@@ -274,7 +274,7 @@ TEST_CASE("S5: a position that is more than 20 units nearer to zero has fallen, 
                 CAPTURE(now);
                 const auto then = words(before);
                 const auto here = words(now);
-                const block_reading r{
+                const block_feedback r{
                     .block = model::position_block, .words = here.data(), .before = then.data()};
                 CHECK(model::has_fallen(r, known) == (std::llabs(before) - std::llabs(now) > 20));
             }

@@ -89,9 +89,9 @@ struct plan_times {
         std::uint64_t billionths = 0;
         if (d.by.feedback != duration{}) {
             billionths += share(shortest(d.gaps, read_request, 5u + 2u * d.image_words), poll_period(d));
-            if (d.readings_between != 0)
+            if (d.refreshes_between != 0)
                 billionths += share(shortest(d.gaps, read_request, 5u + 2u * d.slower_words), d.by.feedback) /
-                              d.readings_between;
+                              d.refreshes_between;
             billionths += share(shortest(d.gaps, read_request, 9), witness_period);
         }
         if (d.command_period != duration{})

@@ -180,7 +180,7 @@ template <class Model, class Exchange> class command_life {
     response_limits limits_;
     bus_gaps gaps_;
     std::uint8_t request_[24]{known_.address()};
-    std::uint8_t response_[held_reading::room(image_block<Model>.words)]{};
+    std::uint8_t response_[held_feedback::room(image_block<Model>.words)]{};
 
   private:
     // True if the command under way may have changed a setting already.
@@ -270,7 +270,7 @@ template <class Model, class Exchange> class command_life {
         }
         if (known_.is_known()) known_.link().watchdog() = Model::watchdog(known_.cached());
         const bool is_take_over = kind == command_kind::take_over;
-        if (kind == command_kind::setting || is_take_over) known_.drop_readings(is_take_over);
+        if (kind == command_kind::setting || is_take_over) known_.drop_feedback(is_take_over);
         if (kind != command_kind::power && !is_take_over) return;
         known_.link().verify(now);
         if (!known_.is_enabled() || is_stop) return;

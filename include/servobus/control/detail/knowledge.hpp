@@ -8,15 +8,15 @@
 #include <cstddef>
 #include <cstdint>
 
-#include <servobus/control/detail/drive_readings.hpp>
+#include <servobus/control/detail/drive_feedback.hpp>
 #include <servobus/control/routine_status.hpp>
 #include <servobus/control/states.hpp>
 #include <servobus/control/step.hpp>
 
 namespace servobus::detail {
 
-template <class Model> class knowledge : public drive_readings<Model> {
-    using base = drive_readings<Model>;
+template <class Model> class knowledge : public drive_feedback<Model> {
+    using base = drive_feedback<Model>;
 
   public:
     using prepared_command = typename Model::prepared_command;

@@ -52,7 +52,7 @@ class model {
     static constexpr settings unknown{};
     static constexpr stop_rules stops{
         .at_fault = stop_priority::disable,
-        .after_restart = true, // until the reading that finds it, a command may have switched the servo on
+        .after_restart = true, // until the refresh that finds it, a command may have switched the servo on
         // A quick stop may wait for a standstill that does not come, and a servo-off does not stop a motor whose
         // servo-on is wired.
         .disable_replaces_quick_stop = true};
@@ -88,7 +88,7 @@ class model {
         return status_flags::from_word(w[0]).is_brake_released() ? verdict::as_expected : verdict::disabled;
     }
     /// Whether the position of a motor without power is nearer to zero than it was: a restart may have put it there.
-    static constexpr bool has_fallen(const block_reading& r, const settings& known) {
+    static constexpr bool has_fallen(const block_feedback& r, const settings& known) {
         if (r.block != position_block) return false;
         const auto magnitude = [&](const std::uint16_t* w) {
             const u32 p = join_words(w[0], w[1], known.word_order);
@@ -99,7 +99,7 @@ class model {
         return then > there && then - there > trembling;
     }
     /// Nothing here follows the positions.
-    static constexpr void note(const block_reading&, const settings&) {}
+    static constexpr void note(const block_feedback&, const settings&) {}
     /// P31-00, with the marker: a restart clears it. None while a routine changes it.
     static constexpr steps::recheck witness(const settings& known, const prepared_command& under_way) {
         if (!known.is_marked() || (!under_way.steps.empty() && changes_inputs(under_way))) return {};

@@ -73,10 +73,10 @@ template <class Device> class model {
         return s.is_enabled() ? verdict::faulted : verdict::tripped;
     }
     /// Whether the position is nearer to zero than the speed and the time between two images allow.
-    static constexpr bool has_fallen(const block_reading& r, const settings& known) {
+    static constexpr bool has_fallen(const block_feedback& r, const settings& known) {
         return motion_type::is_fall(r.before, r.words, r.between, known);
     }
-    constexpr void note(const block_reading& r, const settings&) {
+    constexpr void note(const block_feedback& r, const settings&) {
         if (!status_of(r.words).is_moving()) motion_.end_creep();
     }
     /// The marker; without one, what else a restart may change.

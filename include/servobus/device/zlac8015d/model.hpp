@@ -81,7 +81,7 @@ class model {
     }
     /// Whether a position is nearer to zero than the speeds and the time between two images allow. A speed counts
     /// 0.1 r/min, and a turn has at most 16384 counts (2030h, 2060h).
-    static constexpr bool has_fallen(const block_reading& r, const settings&) {
+    static constexpr bool has_fallen(const block_feedback& r, const settings&) {
         const std::uint16_t* const before = r.before;
         const std::uint16_t* const now = r.words;
         constexpr std::size_t speeds = image::place_of<left_actual_speed>;
@@ -101,7 +101,7 @@ class model {
         return false;
     }
     /// Nothing here follows the positions.
-    static constexpr void note(const block_reading&, const settings&) {}
+    static constexpr void note(const block_feedback&, const settings&) {}
     /// A restart loses the mode.
     static constexpr steps::recheck witness(const settings& known, const prepared_command&) {
         return {.look = known.state == drive_state::enabled ? routines::same_mode : nullptr,

@@ -1,11 +1,11 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// A reading that may be of another life of the drive: its positions do not count before the witness, or the image
+// Feedback that may be of another life of the drive: its positions do not count before the witness, or the image
 // after them, shows that the drive has not restarted. It stays at the beginning of the facade's response buffer; the
 // responses of the next frames lie after it.
 //
-//     a reading --it raises a suspicion--> held --the drive is the same--> taken
+//     feedback --it raises a suspicion--> held --the drive is the same--> taken
 //                                          held --it has restarted, or a frame needs the room--> dropped
 #pragma once
 
@@ -17,7 +17,7 @@
 
 namespace servobus::detail {
 
-class held_reading {
+class held_feedback {
   public:
     /// Bytes of a response buffer that holds an image of `words` registers and the response to a witness, and the
     /// longest response of a step.

@@ -1,15 +1,14 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// The readings of a drive: its settings, as they were learned from what it said, the blocks of its feedback, and what they
-// show. One that may be of another life of the drive is held back. Nothing here sends.
+// The feedback of a drive, what it shows, and the settings that were learned from it. Feedback that may be of another life of the drive is held back. Nothing here sends.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
 
 #include <servobus/control/detail/drive_link.hpp>
-#include <servobus/control/detail/held_reading.hpp>
+#include <servobus/control/detail/held_feedback.hpp>
 #include <servobus/control/detail/last_motion.hpp>
 #include <servobus/control/detail/polling.hpp>
 #include <servobus/control/drive_model.hpp>
@@ -18,7 +17,7 @@
 
 namespace servobus::detail {
 
-template <class Model> class drive_readings : public last_motion {
+template <class Model> class drive_feedback : public last_motion {
   public:
     using settings = typename Model::settings;
     using polls = detail::polling<Model>;
@@ -39,8 +38,8 @@ template <class Model> class drive_readings : public last_motion {
     constexpr bool is_enabled() const { return settings_.state == drive_state::enabled; }
     constexpr polls& polling() { return polling_; }
     constexpr const polls& polling() const { return polling_; }
-    constexpr held_reading& held() { return held_; }
-    constexpr const held_reading& held() const { return held_; }
+    constexpr held_feedback& held() { return held_; }
+    constexpr const held_feedback& held() const { return held_; }
     constexpr const std::uint16_t* image() const { return polling_.image().words; }
     constexpr bool is_faulted() const {
         return polling_.image().has_words && Model::is_faulted(image(), settings_);
@@ -53,9 +52,9 @@ template <class Model> class drive_readings : public last_motion {
         const auto& read = polling_.image();
         return read.has_words && !read.is_old && since(read.taken, now) <= oldest;
     }
-    /// Makes all readings old, since the settings have changed. They still say whether the drive has a fault.
+    /// Makes all feedback old, since the settings have changed. The image still says whether the drive has a fault.
     /// `is_taken_over`: the drive may be another one, or have restarted before.
-    constexpr void drop_readings(bool is_taken_over) {
+    constexpr void drop_feedback(bool is_taken_over) {
         epoch_of_positions_ = static_cast<std::uint8_t>(epoch_of_positions_ + is_taken_over);
         held_.drop();
         polling_.drop(true);
@@ -70,7 +69,7 @@ template <class Model> class drive_readings : public last_motion {
     constexpr bool has_fallen(const std::uint16_t* words) const {
         const auto& before = polling_.image();
         if (!is_known() || !before.has_words || is_origin_new_) return false;
-        block_reading r = reading_of(0, words, polling_.refreshed());
+        block_feedback r = feedback_of(0, words, polling_.refreshed());
         r.before = before.words;
         r.between = since(before.taken, r.taken);
         return Model::has_fallen(r, settings_);
@@ -89,7 +88,7 @@ template <class Model> class drive_readings : public last_motion {
     constexpr bool has_fallen(std::uint8_t block, const std::uint16_t* words) const {
         const auto& slower = polling_.slower();
         if (is_origin_new_ || !slower.has_words(block)) return false;
-        block_reading r = reading_of(block, words, {});
+        block_feedback r = feedback_of(block, words, {});
         r.before = slower.words(block);
         return Model::has_fallen(r, settings_);
     }
@@ -117,7 +116,7 @@ template <class Model> class drive_readings : public last_motion {
     constexpr std::uint8_t epoch_of_positions() const { return epoch_of_positions_; }
 
   protected:
-    constexpr drive_readings(std::uint8_t node_address, duration feedback)
+    constexpr drive_feedback(std::uint8_t node_address, duration feedback)
         : address_{node_address}, link_{Model::watchdog(Model::unknown)}, polling_{feedback} {}
 
     constexpr void forget_all() {
@@ -128,12 +127,13 @@ template <class Model> class drive_readings : public last_motion {
     }
 
   private:
-    // While a command sets an origin each reading may count from another one.
+    // While a command sets an origin each refresh may count from another one.
     constexpr void note(std::uint8_t block, const std::uint16_t* words, instant taken) {
         epoch_of_positions_ = static_cast<std::uint8_t>(epoch_of_positions_ + is_origin_new_);
-        model_.note(reading_of(block, words, taken), settings_);
+        model_.note(feedback_of(block, words, taken), settings_);
     }
-    constexpr block_reading reading_of(std::uint8_t block, const std::uint16_t* words, instant taken) const {
+    constexpr block_feedback feedback_of(std::uint8_t block, const std::uint16_t* words,
+                                         instant taken) const {
         return {.block = block, .words = words, .taken = taken, .epoch = epoch_of_positions_};
     }
 
@@ -142,7 +142,7 @@ template <class Model> class drive_readings : public last_motion {
     flight last_frame_ = flight::none;
     bool is_origin_new_ = false;
     std::uint8_t epoch_of_positions_ = 0;
-    held_reading held_{};
+    held_feedback held_{};
     settings settings_ = Model::unknown;
     drive_link<polls::has_watchdog> link_;
     polls polling_;
