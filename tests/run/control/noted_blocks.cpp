@@ -64,13 +64,12 @@ struct wheels_rig : simulated::driven_zlac8015d {
 using servo_model = following<c630s::model>;
 struct servo_rig : simulated::simulated_c630s {
     struct own_drive : facade<servo_model, line_type> {
-        explicit own_drive(line_type& on)
-            : facade<servo_model, line_type>{on, node<c630s::device>{1}, milliseconds(20),
-                                             no_command_timeout} {}
+        own_drive(line_type& on, duration feedback)
+            : facade<servo_model, line_type>{on, node<c630s::device>{1}, feedback, no_command_timeout} {}
     };
-    own_drive servo{line};
+    own_drive servo;
 
-    servo_rig() {
+    explicit servo_rig(duration feedback = milliseconds(20)) : servo{line, feedback} {
         servo_model::told.clear();
         REQUIRE(servo.run(init{}));
         REQUIRE(servo.run(c630s::set_up{}));
@@ -195,6 +194,18 @@ TEST_CASE("the epoch of positions changes while a servo is homed, and stays afte
     CHECK(homed != was);
     r.loop(500);
     CHECK(servo_model::told.back().epoch == homed);
+}
+
+TEST_CASE("the epoch of positions changes with an init, also if nothing has shown that the drive restarted") {
+    servo_rig r{{}};
+    REQUIRE(r.servo.run(read_feedback{}));
+    const std::uint8_t was = servo_model::told.back().epoch;
+    REQUIRE(r.servo.run(read_feedback{}));
+    CHECK(servo_model::told.back().epoch == was);
+    r.model.power_cycle();
+    REQUIRE(r.servo.run(init{}));
+    REQUIRE(r.servo.run(read_feedback{}));
+    CHECK(servo_model::told.back().epoch != was);
 }
 
 } // namespace noted_blocks_tests

@@ -5,6 +5,8 @@
 // costs, what a read of all of them takes, and what a restart during a halt means.
 #include <doctest/doctest.h>
 
+#include <algorithm>
+#include <cstddef>
 #include <cstdint>
 
 #include <tests/support/driven_c630s.hpp>
@@ -151,6 +153,34 @@ TEST_CASE("G35: a fault shows within two periods also to a program that does not
         REQUIRE(r.servo.run(fault_reset{}));
         REQUIRE(r.servo.run(enable_in{control_mode::speed}));
     }
+}
+
+TEST_CASE("G35: the status is polled between the blocks of a read that takes longer than two periods") {
+    rig r;
+    r.station.set_response_delay(milliseconds(20));
+    r.loop(500);
+    // The longest time without a status, over reads at all phases.
+    constexpr std::uint16_t status = model::blocks.image().address;
+    std::uint64_t last = 0;
+    std::uint64_t longest = 0;
+    std::size_t seen = r.requests.size();
+    for (unsigned i = 0; i < 40; ++i) {
+        r.loop(3 + i);
+        REQUIRE(r.servo.begin(read_feedback{}) == errc::ok);
+        while (!r.servo.is_idle()) {
+            r.loop(1);
+            for (; seen < r.requests.size(); ++seen) {
+                if (load_word(r.requests[seen], 2) != status) continue;
+                if (last != 0) longest = std::max(longest, r.wire.time_us() - last);
+                last = r.wire.time_us();
+            }
+        }
+        last = 0;
+    }
+    CAPTURE(longest);
+    constexpr std::uint64_t frame = 26'000; // with its response: one on its way, and the witness
+    CHECK(longest <= 2 * 20'000 + 2 * frame);
+    CHECK(longest > 20'000);
 }
 
 } // namespace slower_blocks_tests
