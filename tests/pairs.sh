@@ -95,7 +95,7 @@ list() {
         choices=$("$work/pairs" "$drive" choices)
         i=0
         while [ $i -lt "$choices" ]; do
-            echo "$drive readings $i/$choices"
+            echo "$drive interpretations $i/$choices"
             i=$((i + 1))
         done
     done

@@ -7,7 +7,7 @@
 #   sh tests/sim.sh [ARGS]
 #   CXX        the compiler, g++ if not given
 #   CXXFLAGS   flags after the usual ones
-# ARGS: [--only KIND[,KIND...]] --seeds N [--from S] for more runs, --least N to require N transactions for every reading
+# ARGS: [--only KIND[,KIND...]] --seeds N [--from S] for more runs, --least N to require N transactions for every interpretation
 # and N stalls in every place, --seed S [--trace] for one run. KIND: plain, echo, blocking_line, bus, facades, scan, fleet,
 # lives. The last line is a summary. Runs of 1000 seeds or more of all kinds fail if they have played a kind of event too
 # seldom.

@@ -23,7 +23,7 @@ struct subject {
 
     static constexpr std::uint8_t address = 5;
     static constexpr std::uint32_t baud = 19200;
-    static constexpr unsigned readings = 1;                         // interpretations of the manual
+    static constexpr unsigned interpretations = 1;                  // interpretations of the manual
     static constexpr std::int64_t tolerance = 0;                    // of a place, in pulses
     static constexpr bool energises_by_reset = false;               // a fault reset
     static constexpr bool energises_by_level = true;                // a halt writes `hold`

@@ -104,16 +104,16 @@ foreach(source IN LISTS unit_sources)
   if(source IN_LIST busy_sources)
     set(labels unit)
   endif()
-  check(unit.${name} LABELS ${labels} COST ${cost} ENVIRONMENT SERVOBUS_READINGS=default
+  check(unit.${name} LABELS ${labels} COST ${cost} ENVIRONMENT SERVOBUS_INTERPRETATIONS=default
         COMMAND ${unit_tests} --source-file=*/tests/${source} ${SERVOBUS_TEST_ARGUMENTS})
   set_tests_properties(unit.${name} PROPERTIES FAIL_REGULAR_EXPRESSION "${nothing_ran}")
-  # The same safety under the other readings of the manuals: every position of a switch and every pair of them, or with
-  # SERVOBUS_READINGS=whole in the environment their whole product, for an hour or more.
-  file(STRINGS ${source} under_readings REGEX "test_suite\\(\"readings\"\\)")
-  if(under_readings)
-    check(readings.${name} LABELS readings COST 20
-          COMMAND ${unit_tests} --source-file=*/tests/${source} --test-suite=readings)
-    set_tests_properties(readings.${name} PROPERTIES FAIL_REGULAR_EXPRESSION "${nothing_ran}" TIMEOUT 86400)
+  # The same safety under the other interpretations of the manuals: every position of a switch and every pair of them, or with
+  # SERVOBUS_INTERPRETATIONS=whole in the environment their whole product, for an hour or more.
+  file(STRINGS ${source} under_interpretations REGEX "test_suite\\(\"interpretations\"\\)")
+  if(under_interpretations)
+    check(interpretations.${name} LABELS interpretations COST 20
+          COMMAND ${unit_tests} --source-file=*/tests/${source} --test-suite=interpretations)
+    set_tests_properties(interpretations.${name} PROPERTIES FAIL_REGULAR_EXPRESSION "${nothing_ran}" TIMEOUT 86400)
   endif()
 
   add_executable(${name} EXCLUDE_FROM_ALL ${source} $<TARGET_OBJECTS:unit_main>)

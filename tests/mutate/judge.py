@@ -26,7 +26,7 @@ PROCESSOR_SECONDS = 60
 WALL_SECONDS = 300
 MEMORY_BYTES = 4 << 30
 # As tests/run.sh plays it: under the default interpretation of each manual.
-ENVIRONMENT = {"SERVOBUS_READINGS": "default", **os.environ}
+ENVIRONMENT = {"SERVOBUS_INTERPRETATIONS": "default", **os.environ}
 
 # The messages of compilers when a rule of the library refuses a program, not the grammar of the language.
 RULES = re.compile(

@@ -72,7 +72,7 @@ def build_and_record(folder, build, record, arguments):
     settings = ["-DSERVOBUS_UNIT_FOLDERS=bus;control;core;device;sim", "-DCMAKE_BUILD_TYPE="]
     run("cmake", "-S", folder, "-B", build, "-G", "Ninja", *settings, stdout=subprocess.DEVNULL)
     run("ninja", "-C", build, "servobus_tests", stdout=subprocess.DEVNULL)
-    environment = {**os.environ, "REQUESTS": str(record), "SERVOBUS_READINGS": "default"}
+    environment = {**os.environ, "REQUESTS": str(record), "SERVOBUS_INTERPRETATIONS": "default"}
     done = subprocess.run([build / "tests/servobus_tests", "--no-version", *arguments], env=environment,
                           stdout=subprocess.PIPE, text=True)  # fmt: skip
     print(done.stdout.splitlines()[-2] if done.stdout.strip() else "no output")

@@ -80,7 +80,7 @@ class facade {
     virtual bool says_reached() const = 0;
     /// The motor has power, no fault, and no input keeps it stopped.
     virtual bool is_able() = 0;
-    /// The feedback shows why it is not, by the reading of the manual.
+    /// The feedback shows why it is not, by the interpretation of the manual.
     virtual bool shows_plight() { return true; }
     virtual bool shows_restart_while_enabled() const { return shows_restarts(); }
     /// Its level at an input enables the drive, at any time.
@@ -230,7 +230,7 @@ template <class Seat, class Drive> class facade_of : public facade {
 
   protected:
     auto& model() { return at_->model(); }
-    /// The readings of the manual that the simulated drive follows.
+    /// The interpretations of the manual that the simulated drive follows.
     template <class Options> Options chosen() const { return options_at<Options>(at_->positions()); }
     template <class Command> servobus::errc begin(const Command& o, errand e) {
         const servobus::errc refusal = drive.begin(o);

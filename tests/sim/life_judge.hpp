@@ -70,7 +70,7 @@ class life_judge {
         is_between_ = was_marker_read_ && !was_restarted_;
         was_restarted_ = true;
         is_sought_ = of_.says_enabled();
-        positions_.restarted(now(), of_.between_readings());
+        positions_.restarted(now(), of_.between_refreshes());
         was_given_ = was_withheld_ = false;
         const bool can_show = is_sought_ ? of_.shows_restarts() : of_.shows_restarts_at_rest();
         if (!can_show || (what_ == doing::stop && !of_.shows_restarts_in_stop())) positions_.forget();
@@ -197,7 +197,7 @@ class life_judge {
         if (seen && positions_.is_known()) {
             ++in_.state().count->lives.feedback[kind()];
             if (is_sought_) was_given_ = true;
-            positions_.judge(now(), of_.oldest(), of_.between_readings(), *seen, of_.tolerance);
+            positions_.judge(now(), of_.oldest(), of_.between_refreshes(), *seen, of_.tolerance);
         }
         if (is_sought_ && !seen) was_withheld_ = true;
         const bool is_calm = what_ == doing::nothing && now() > disturbed_at_ + calm_us &&

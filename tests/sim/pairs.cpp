@@ -3,7 +3,7 @@
 //
 // Plays a shard of every pair of mishaps, or all single mishaps under one interpretation of the manual, by the judges for
 // everybody (sim/conformance.hpp). tests/pairs.sh runs it.
-//   pairs DRIVE mishaps SHARD/SHARDS | pairs DRIVE readings SHARD/SHARDS | pairs DRIVE count | pairs DRIVE choices
+//   pairs DRIVE mishaps SHARD/SHARDS | pairs DRIVE interpretations SHARD/SHARDS | pairs DRIVE count | pairs DRIVE choices
 // DRIVE: zlac8015d, yako_closed_loop, yako_open_loop, c630s, winch. The last line has the shard, and how many runs,
 // findings and seconds it was; `count` prints how many pairs there are, `choices` how many interpretations.
 #include <cinttypes>
@@ -19,7 +19,7 @@
 #include <servobus/servobus.hpp>
 
 #include <examples/own_device/own_subject.hpp>
-#include <tests/support/conformance_readings.hpp>
+#include <tests/support/conformance_interpretations.hpp>
 #include <tests/support/conformance_subjects.hpp>
 
 namespace {
@@ -27,9 +27,9 @@ namespace {
 namespace sim = servobus::sim;
 
 void show(void*, const sim::finding& f) {
-    std::printf("%s: %s (%s, request %u: %s, request %u: %s, reading %u)\n", f.promise, f.what, f.command,
-                f.first.request, sim::text(f.first.what), f.second.request, sim::text(f.second.what),
-                f.reading);
+    std::printf("%s: %s (%s, request %u: %s, request %u: %s, interpretation %u)\n", f.promise, f.what,
+                f.command, f.first.request, sim::text(f.first.what), f.second.request,
+                sim::text(f.second.what), f.interpretation);
 }
 double seconds() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
 
@@ -50,7 +50,7 @@ template <class Subject> int play(std::size_t choices, int count, char** words) 
     if (what == "mishaps") {
         if (shard >= of) return 2;
         all = kit.every_pair(0, {static_cast<std::uint32_t>(shard), static_cast<std::uint32_t>(of)});
-    } else if (what == "readings") {
+    } else if (what == "interpretations") {
         if (shard >= choices) return 2;
         all = kit.singles(static_cast<unsigned>(shard));
     } else {

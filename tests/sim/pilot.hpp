@@ -60,7 +60,7 @@ class pilot {
     virtual std::optional<places> feedback() const = 0;
     virtual servobus::duration oldest() const = 0;
     /// The position is read this often.
-    virtual servobus::duration between_readings() const = 0;
+    virtual servobus::duration between_refreshes() const = 0;
     /// This frame stops the drive.
     virtual bool is_stop(servobus::bytes frame) const = 0;
 
@@ -124,7 +124,7 @@ template <class Line, class Seat, template <class> class Drive> class pilot_of :
     servobus::arrival_state how() const override { return drive.arrival().how; }
     void set_command_timeout(servobus::duration limit) override { drive.set_command_timeout(limit); }
     servobus::duration oldest() const override { return every_ * 3; }
-    servobus::duration between_readings() const override { return every_; }
+    servobus::duration between_refreshes() const override { return every_; }
 
     Drive<Line> drive;
 

@@ -91,7 +91,7 @@ class servo_pilot final : public pilot_of<Line, servo_place<Line>, servobus::c63
     }
     // Its position is in a block that is read with every eighth status, with requests of other blocks between.
     servobus::duration oldest() const override { return this->period() * 30 + servobus::milliseconds(500); }
-    servobus::duration between_readings() const override { return this->period() * 16; }
+    servobus::duration between_refreshes() const override { return this->period() * 16; }
     bool is_stop(servobus::bytes frame) const override {
         using namespace servobus::c630s::routines;
         static constexpr servobus::step stops[] = {stop_by_targets, zero_torque, servo_off, servo_off_marked,

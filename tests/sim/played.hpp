@@ -86,7 +86,7 @@ struct played {
     counts<drive_kind> found{};    ///< restarts of an enabled drive that the program has found
     counts<drive_kind> withheld{}; ///< restarts after which no feedback was given until they were found
     counts<drive_kind> hidden{}; ///< restarts that the drive cannot show, by the interpretation of its manual
-    counts<drive_kind> feedback{}; ///< readings that were compared with the shaft
+    counts<drive_kind> feedback{}; ///< refreshes that were compared with the shaft
     std::array<std::array<std::uint64_t, 4>, size<gateway_case>> gateway{}; ///< by the outcome of the write
     counts<gateway_case> over_rtu{}; ///< gateway exceptions over RTU, the others over a port of Modbus TCP
     counts<gateway_case> over_tcp{};
@@ -111,7 +111,7 @@ struct played {
         for (std::size_t k = 1; k < size<drive_kind>; ++k) {
             std::printf(
                 "sim: %-9s restarts: %llu while a check was due, %llu with a boot time, %llu found, %llu "
-                "withheld until then, %llu hidden; %llu readings of the feedback judged; %llu outages; %llu "
+                "withheld until then, %llu hidden; %llu refreshes judged; %llu outages; %llu "
                 "setpoints in time, %llu hung programs; %llu faults before an init\n",
                 text(static_cast<drive_kind>(k)), n(due[k]), n(booting[k]), n(found[k]), n(withheld[k]),
                 n(hidden[k]), n(feedback[k]), n(outages[k]), n(setpoints[k]), n(hung[k]), n(ill[k]));
@@ -152,7 +152,7 @@ struct played {
             of.check(text(drive), "restarts while a check was due", due[k], 5);
             of.check(text(drive), "restarts with a boot time", booting[k], 40);
             of.check(text(drive), "restarts found", found[k], 40);
-            of.check(text(drive), "readings of the feedback", feedback[k], 10'000);
+            of.check(text(drive), "refreshes", feedback[k], 10'000);
             of.check(text(drive), "outages", outages[k], 2);
             of.check(text(drive), "hung programs", hung[k], 5);
             of.check(text(drive), "faults before an init", ill[k], 10);

@@ -65,7 +65,7 @@ struct scene {
     std::uint8_t asked_node = 0;                   ///< the node of the last request
     std::array<drive_kind, 256> kinds{};           ///< of the nodes
     std::array<switch_positions, 256> positions{}; ///< of the switches of each node
-    readings manuals{1};                           ///< that the drives of this run follow
+    interpretations manuals{1};                    ///< that the drives of this run follow
     std::uint64_t left_us = 0;                     ///< when the last request had left
     std::uint64_t sounding_until = 0;              ///< faulty, late and second frames have ended by then
     std::uint64_t held_until = 0;                  ///< until then the adapter holds received bytes back

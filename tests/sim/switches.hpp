@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// The readings of the manuals that the drives of a run follow, drawn from the seed: a table of the switches
+// The interpretations of the manuals that the drives of a run follow, drawn from the seed: a table of the switches
 // of each simulated drive. A new member of a drive's options, or a new enumerator, must be added here, or
 // this file does not compile.
 #pragma once
@@ -173,7 +173,7 @@ template <class Options, class Value> Options options_type_of(Value Options::*);
 template <auto Member> using value_of = decltype(value_type_of(Member));
 template <auto Member> using options_of = decltype(options_type_of(Member));
 
-/// A switch of two or more readings.
+/// A switch of two or more interpretations.
 template <auto Member> constexpr drive_switch<options_of<Member>> row(const char* name) {
     using options = options_of<Member>;
     using value = value_of<Member>;
@@ -211,7 +211,7 @@ constexpr drive_switch<options_of<Member>> times(const char* name, const char* (
     };
     return r;
 }
-/// A setting of a drive that is no reading of a manual.
+/// A setting of a drive that is no interpretation of a manual.
 template <auto Member> constexpr drive_switch<options_of<Member>> fixed(const char* name) {
     using options = options_of<Member>;
     drive_switch<options> r{};
@@ -354,11 +354,11 @@ template <class Options> Options options_at(const switch_positions& at) {
     return chosen;
 }
 
-/// The readings of a run, drawn independently of its traffic. In half of the runs each drive has its
+/// The interpretations of a run, drawn independently of its traffic. In half of the runs each drive has its
 /// defaults; in the others each switch of each drive has a random position.
-class readings {
+class interpretations {
   public:
-    explicit readings(std::uint64_t seed)
+    explicit interpretations(std::uint64_t seed)
         : random_{seed * 0xC2B2'AE35u + 17}, are_default_{random_.below(2) == 0} {}
 
     template <class Options> Options draw() {

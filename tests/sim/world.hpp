@@ -58,7 +58,7 @@ class world {
           port_{known(of), judge_, of.resolution_us}, babbler_{scene_, of.wire.baud} {
         scene_.count = &count;
         scene_.random = servobus::sim::dice{seed};
-        scene_.manuals = readings{seed};
+        scene_.manuals = interpretations{seed};
         // The line counts a gap from a look after the last byte to a look before the next one.
         scene_.blur_us = resolution_us_ + 2 * longest_turn_us;
         wire_.set_hook(&world::note_byte, this);

@@ -185,7 +185,7 @@ inline bool only_stop(const std::vector<frame>& requests, std::size_t first) {
     return true;
 }
 
-/// Brings the drive to the state in which a command begins. False if no enable works under this reading. Then
+/// Brings the drive to the state in which a command begins. False if no enable works under this interpretation. Then
 /// the motor is at standstill and its power is off.
 inline bool begins(const row& o, rig& r) {
     if (o.from(r)) return true;
@@ -262,13 +262,13 @@ inline void stays_off_at_power_on(const sim::c630s& left) {
     CHECK((alone.model.stored(p31) & functions) == 0);
 }
 
-/// Plays scenes under each reading.
+/// Plays scenes under each interpretation.
 template <class Scenes> void under_each(const Scenes& scenes) {
-    c630s_readings::under([&](const c630s_reading& r) {
+    c630s_interpretations::under([&](const c630s_interpretation& r) {
         now_read = &r;
         return scenes();
     });
-    now_read = &c630s_readings::all().front();
+    now_read = &c630s_interpretations::all().front();
 }
 
 } // namespace c630s_scenes

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSL-1.0
 //
 // A program and its C630S, and the states in which the commands of c630s_scenes.hpp begin. The drive has hazardous values
-// in its EEPROM and follows one reading of the manual (tests/support/c630s_readings.hpp).
+// in its EEPROM and follows one interpretation of the manual (tests/support/c630s_interpretations.hpp).
 #pragma once
 
 #include <array>
@@ -14,7 +14,7 @@
 #include <servobus/device/c630s.hpp>
 #include <servobus/servobus.hpp>
 #include <servobus/sim/c630s.hpp>
-#include <tests/support/c630s_readings.hpp>
+#include <tests/support/c630s_interpretations.hpp>
 #include <tests/support/frame_port.hpp>
 
 namespace c630s_scenes {
@@ -28,9 +28,9 @@ using port_type = simulated::frame_port<sim::c630s>;
 using frame = port_type::frame;
 constexpr u16 p31 = virtual_input_levels.address;
 
-using c630s_reading = c630s_readings::reading;
-/// The reading of the manual that the simulated drives of this scene follow.
-inline const c630s_reading* now_read = &c630s_readings::all().front();
+using c630s_interpretation = c630s_interpretations::interpretation;
+/// The interpretation of the manual that the simulated drives of this scene follow.
+inline const c630s_interpretation* now_read = &c630s_interpretations::all().front();
 inline const sim::c630s_options& present() { return now_read->options; }
 
 /// False if the brake output shows nothing, or is hidden because a wired output has the same function. Then
@@ -89,7 +89,7 @@ inline sim::c630s make_ready(const sim::c630s_options& options) {
     REQUIRE_FALSE(r.model().has_fault());
     return r.model();
 }
-/// A drive of the present reading, made when it is first needed.
+/// A drive of the present interpretation, made when it is first needed.
 class made_once {
   public:
     const sim::c630s& get(const sim::c630s_options& options) {
@@ -99,7 +99,7 @@ class made_once {
     }
 
   private:
-    const c630s_reading* made_for_ = nullptr;
+    const c630s_interpretation* made_for_ = nullptr;
     sim::c630s model_{};
 };
 inline const sim::c630s& ready_drive() {

@@ -14,7 +14,7 @@
 
 #include <servobus/sim/conformance.hpp>
 
-#include <tests/support/readings.hpp>
+#include <tests/support/interpretations.hpp>
 
 namespace conformance_tests {
 
@@ -25,8 +25,8 @@ inline void show(void*, const sim::finding& f) {
         return "request " + std::to_string(m.request) + ": " + sim::text(m.what);
     };
     const std::string all = std::string{f.promise} + ": " + f.what + " (" + f.command + ", " +
-                            happened(f.first) + ", " + happened(f.second) + ", reading " +
-                            std::to_string(f.reading) + ")";
+                            happened(f.first) + ", " + happened(f.second) + ", interpretation " +
+                            std::to_string(f.interpretation) + ")";
     MESSAGE(all);
 }
 
@@ -53,11 +53,11 @@ template <class Subject> void judge(std::uint32_t least_runs) {
 }
 
 /// Under each interpretation but the first: of the single mishaps one of `parts`, from interpretation to interpretation
-/// another. All of them with SERVOBUS_READINGS=whole; only the first interpretation with SERVOBUS_READINGS=default. Prints
+/// another. All of them with SERVOBUS_INTERPRETATIONS=whole; only the first interpretation with SERVOBUS_INTERPRETATIONS=default. Prints
 /// what was played.
 template <class Subject, class Interpretations>
-void judge_readings(std::uint32_t least_runs, std::uint32_t parts) {
-    const char* wanted = std::getenv("SERVOBUS_READINGS");
+void judge_interpretations(std::uint32_t least_runs, std::uint32_t parts) {
+    const char* wanted = std::getenv("SERVOBUS_INTERPRETATIONS");
     const std::string_view how = wanted == nullptr ? "" : wanted;
     if (how == "default") {
         judge<Subject>(least_runs);
@@ -67,18 +67,18 @@ void judge_readings(std::uint32_t least_runs, std::uint32_t parts) {
     sim::conformance<Subject> kit{&show};
     sim::played all{};
     unsigned few = 0;
-    for (unsigned reading = 1; reading < Interpretations::count; ++reading) {
-        const std::string positions = readings::name(Interpretations::choices()[reading]);
+    for (unsigned interpretation = 1; interpretation < Interpretations::count; ++interpretation) {
+        const std::string positions = interpretations::name(Interpretations::choices()[interpretation]);
         CAPTURE(positions);
         const std::uint32_t before = all.runs;
-        all = kit.singles(reading, {reading % parts, parts});
+        all = kit.singles(interpretation, {interpretation % parts, parts});
         CHECK(all.runs > before);
         few += all.runs - before < least_runs / parts * 3 / 4 ? 1u : 0u;
     }
     CHECK(all.findings == 0);
     CHECK(few <= 1); // under one interpretation of the C630S no enable can be confirmed
     check_counts(all);
-    std::printf("readings: %s: %u alone, one of %u single mishaps: %u runs;",
+    std::printf("interpretations: %s: %u alone, one of %u single mishaps: %u runs;",
                 doctest::getContextOptions()->currentTest->m_name, Interpretations::count - 1, parts,
                 all.runs);
     for (const sim::mishap m : sim::all_mishaps)

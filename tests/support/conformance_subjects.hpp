@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSL-1.0
 //
 // The drives of the library for the judges of sim/conformance.hpp: how each is seen from outside, what may happen to it,
-// and its commands. `Readings` numbers the interpretations of a manual; number 0 is the simulator's default.
+// and its commands. `Interpretations` numbers the interpretations of a manual; number 0 is the simulator's default.
 #pragma once
 
 #include <cstdint>
@@ -24,7 +24,7 @@ using namespace servobus;
 using namespace servobus::units;
 
 /// Only the interpretation that the simulated drive has by default.
-template <class Options> struct default_reading {
+template <class Options> struct default_interpretation {
     static constexpr unsigned count = 1;
     static Options options(unsigned) { return {}; }
 };
@@ -35,7 +35,8 @@ template <class Machine> void write_by_hand(Machine& m, std::uint16_t address, s
     (void)m.write(address, words_view{word});
 }
 
-template <class Readings = default_reading<sim::zlac8015d_options>> struct wheels : seen::wheels {
+template <class Interpretations = default_interpretation<sim::zlac8015d_options>>
+struct wheels : seen::wheels {
     using options = sim::zlac8015d_options;
     struct machine : sim::zlac8015d {
         explicit machine(const options& read) : sim::zlac8015d{read}, read_as{read} {}
@@ -45,17 +46,18 @@ template <class Readings = default_reading<sim::zlac8015d_options>> struct wheel
 
     static constexpr std::uint8_t address = 1;
     static constexpr std::uint32_t baud = 115200;
-    static constexpr unsigned readings = Readings::count;
+    static constexpr unsigned interpretations = Interpretations::count;
     static constexpr std::int64_t tolerance = 20;
     static constexpr bool energises_by_reset = false;
     static constexpr bool energises_by_level = false;
-    static sim::what_shows shows(unsigned reading) {
-        const bool is_hidden = Readings::options(reading).after_quick_stop == options::stopped::locked;
+    static sim::what_shows shows(unsigned interpretation) {
+        const bool is_hidden =
+            Interpretations::options(interpretation).after_quick_stop == options::stopped::locked;
         return {.restart = sim::restart_shows::while_enabled, .wired_stop = !is_hidden};
     }
     /// Errata B30 to B32.
-    static bool can_be_done(unsigned reading, std::string_view command) {
-        const options read = Readings::options(reading);
+    static bool can_be_done(unsigned interpretation, std::string_view command) {
+        const options read = Interpretations::options(interpretation);
         const bool is_move = command.substr(0, 5) == "move_" || command == "a second move";
         if (command == "torque") return read.in_torque_mode == options::shaft::locked;
         if (command.substr(0, 10) == "quick_stop")
@@ -65,7 +67,7 @@ template <class Readings = default_reading<sim::zlac8015d_options>> struct wheel
         return true;
     }
 
-    static machine make(unsigned reading) { return machine{Readings::options(reading)}; }
+    static machine make(unsigned interpretation) { return machine{Interpretations::options(interpretation)}; }
     template <class Drive> static bool take_over(Drive& d, machine& m) {
         write_by_hand(m, 0x2086, 10'000); // a torque soon turns the wheels
         write_by_hand(m, 0x2087, 10'000);
@@ -99,7 +101,7 @@ template <class Readings = default_reading<sim::zlac8015d_options>> struct wheel
 
 /// `Machine` is the simulated drive of one of the two variants, `Drive` its facade, `Homing` its command.
 template <class Machine, template <class> class Drive, class Homing,
-          class Readings = default_reading<sim::yako_options>>
+          class Interpretations = default_interpretation<sim::yako_options>>
 struct axis : seen::stepper {
     using homing = Homing;
     using machine = Machine;
@@ -107,22 +109,22 @@ struct axis : seen::stepper {
 
     static constexpr std::uint8_t address = 1;
     static constexpr std::uint32_t baud = 115200;
-    static constexpr unsigned readings = Readings::count;
+    static constexpr unsigned interpretations = Interpretations::count;
     static constexpr std::int64_t tolerance = 4;
     static constexpr bool energises_by_reset = true;
     static constexpr bool energises_by_level = false;
     // In thousandths of a turn, which are pulses by the factory's resolution.
     static constexpr std::int64_t home = 6'000;
 
-    static sim::what_shows shows(unsigned reading) {
-        const sim::yako_options read = Readings::options(reading);
+    static sim::what_shows shows(unsigned interpretation) {
+        const sim::yako_options read = Interpretations::options(interpretation);
         const bool is_hidden = read.kept == sim::yako_kept::written;
         return {.restart = is_hidden ? sim::restart_shows::never : sim::restart_shows::always,
                 .every_stop = read.stops_homing};
     }
     static bool can_be_done(unsigned, const char*) { return true; }
 
-    static machine make(unsigned reading) { return machine{Readings::options(reading)}; }
+    static machine make(unsigned interpretation) { return machine{Interpretations::options(interpretation)}; }
     template <class D> static bool take_over(D& d, machine& m) {
         m.attach({.home_from = home, .home_to = 2 * home});
         write_by_hand(m, 0x0044, static_cast<std::uint16_t>(yako::input_function::stop));
@@ -143,12 +145,13 @@ struct axis : seen::stepper {
         each("save", disable{}, yako::save{}, sim::hides_a_restart());
     }
 };
-template <class Readings = default_reading<sim::yako_options>>
-using closed_axis = axis<sim::yako_closed_loop, yako::closed_loop::drive, yako::closed_loop::home, Readings>;
-template <class Readings = default_reading<sim::yako_options>>
-using open_axis = axis<sim::yako_open_loop, yako::open_loop::drive, yako::open_loop::home, Readings>;
+template <class Interpretations = default_interpretation<sim::yako_options>>
+using closed_axis =
+    axis<sim::yako_closed_loop, yako::closed_loop::drive, yako::closed_loop::home, Interpretations>;
+template <class Interpretations = default_interpretation<sim::yako_options>>
+using open_axis = axis<sim::yako_open_loop, yako::open_loop::drive, yako::open_loop::home, Interpretations>;
 
-template <class Readings = default_reading<sim::c630s_options>> struct servo : seen::servo {
+template <class Interpretations = default_interpretation<sim::c630s_options>> struct servo : seen::servo {
     struct machine : sim::c630s {
         explicit machine(const sim::c630s_options& read) : sim::c630s{read}, read_as{read} {}
         sim::c630s_options read_as;
@@ -157,22 +160,22 @@ template <class Readings = default_reading<sim::c630s_options>> struct servo : s
 
     static constexpr std::uint8_t address = 1;
     static constexpr std::uint32_t baud = 57600;
-    static constexpr unsigned readings = Readings::count;
+    static constexpr unsigned interpretations = Interpretations::count;
     static constexpr std::int64_t tolerance = 20;
     static constexpr bool energises_by_reset = false;
     static constexpr bool energises_by_level = true;
     /// A stop reads the marker and sets it again (promise G35).
     static sim::what_shows shows(unsigned) { return {.restart_in_a_change = false}; }
     /// Erratum C77: the brake's output confirms an enable. Errata C23, C83: a start may be acknowledged and not move.
-    static bool can_be_done(unsigned reading, std::string_view command) {
-        const sim::c630s_options read = Readings::options(reading);
+    static bool can_be_done(unsigned interpretation, std::string_view command) {
+        const sim::c630s_options read = Interpretations::options(interpretation);
         if (command == "jog") return !read.jog_follows_command;
         if (command == "start_segment" || command == "a second move") return !read.segment_start_is_level;
         const bool is_wired = read.brake == sim::c630s_brake::wired_only && !read.first_output_shows;
         return command != "enable" || read.brake == sim::c630s_brake::follows_servo || is_wired;
     }
 
-    static machine make(unsigned reading) { return machine{Readings::options(reading)}; }
+    static machine make(unsigned interpretation) { return machine{Interpretations::options(interpretation)}; }
     template <class Drive> static bool take_over(Drive& d, machine& m) {
         using c630s::keep, c630s::output_function;
         if (!d.run(init{}) || !d.run(c630s::set_up{})) return false;

@@ -42,8 +42,8 @@ struct wheels_and_lift {
     servobus::sim::station<servobus::sim::yako_closed_loop> lift_station{lift_model};
     servobus::sim::virtual_line wire{115200};
 
-    explicit wheels_and_lift(servobus::sim::zlac8015d_options wheels_readings = {})
-        : wheels_model{wheels_readings} {
+    explicit wheels_and_lift(servobus::sim::zlac8015d_options wheels_interpretations = {})
+        : wheels_model{wheels_interpretations} {
         wire.attach(wheels_station);
         wire.attach(lift_station);
     }

@@ -66,7 +66,7 @@ struct driven_zlac8015d {
     line_type line{wire, servobus::modbus::timing_at(115200)};
     servobus::zlac8015d::drive<line_type> drive;
     request_log log;
-    servobus::sim::zlac8015d_options readings;
+    servobus::sim::zlac8015d_options interpretations;
     std::uint32_t saves = 0; // number of saves before the test began
 
     /// The brakes are released, whichever code does that, and remain released after a restart. `seed`: of the faults
@@ -74,7 +74,7 @@ struct driven_zlac8015d {
     explicit driven_zlac8015d(servobus::sim::zlac8015d_options options = {},
                               const servobus::supervision& by = servobus::unsupervised,
                               std::uint64_t seed = 1)
-        : model{options}, wire{115200, seed}, drive{line, 1, by}, readings{options} {
+        : model{options}, wire{115200, seed}, drive{line, 1, by}, interpretations{options} {
         if (options.code_1 == servobus::sim::zlac8015d_options::brake::releases) {
             set_by_hand(0x201A, 1);
             set_by_hand(0x201B, 1);

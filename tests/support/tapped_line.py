@@ -77,13 +77,13 @@ class TappedLine:
 
     def hang_up(self):
         """The listener's port is gone."""
-        self.stop_reading()
+        self.stop_interpretation()
         for one in (self.theirs, self.ours):
             if one is not None:
                 os.close(one)
         self.theirs = self.ours = None
 
-    def stop_reading(self):
+    def stop_interpretation(self):
         if self.is_open:
             self.is_open = False
             os.write(self.wake, b"\n")
@@ -92,7 +92,7 @@ class TappedLine:
     def close(self) -> int:
         """Returns how many bytes the listeners have sent."""
         time.sleep(0.1)  # for what the system has not passed on yet
-        self.stop_reading()
+        self.stop_interpretation()
         if self.ours is not None:
             self.hang_up()
         for one in self.between:

@@ -52,7 +52,7 @@ class Terminal:
         self.process.kill()
         self.status = self.process.wait()
         if self.theirs is not None:
-            os.close(self.theirs)  # so that reading ends
+            os.close(self.theirs)  # so that interpretation ends
             self.theirs = None
             while self.read(1):
                 pass

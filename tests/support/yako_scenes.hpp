@@ -3,7 +3,7 @@
 //
 // Every command of the YAKOTEC facades, for tests that play it with an event at each of its frames: the states in which
 // commands begin, how the drive is when they are done, and what a command may have done that failed. All scenes run
-// under the readings of the manual (tests/support/yako_readings.hpp).
+// under the interpretations of the manual (tests/support/yako_interpretations.hpp).
 #pragma once
 
 #include <functional>
@@ -13,7 +13,7 @@
 #include <doctest/doctest.h>
 
 #include <tests/support/driven_yako.hpp>
-#include <tests/support/yako_readings.hpp>
+#include <tests/support/yako_interpretations.hpp>
 
 namespace yako_scenes {
 
@@ -276,12 +276,12 @@ template <class A> struct scene : A {
 };
 
 /// Plays `scene_at(row, n, variant, options)` for n = 0, 1, 2 .. as long as it returns that its event has occurred.
-/// Under the manual's first reading it plays all variants, under the others one after another. In the whole product
+/// Under the manual's first interpretation it plays all variants, under the others one after another. In the whole product
 /// each choice plays one scene, the next one of the next row.
 template <class A, class Scene> void at_every_frame(std::size_t variants, Scene scene_at) {
     const rows<A> all = commands_of(static_cast<const A*>(nullptr));
     std::vector<std::size_t> next(variants * all.size(), 0);
-    ::readings::under_yako([&](const sim::yako_options& by, std::size_t number, bool is_whole) {
+    ::interpretations::under_yako([&](const sim::yako_options& by, std::size_t number, bool is_whole) {
         std::size_t played = 0;
         for (std::size_t i = 0; i < next.size(); ++i) {
             const std::size_t variant = i / all.size();

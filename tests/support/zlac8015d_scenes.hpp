@@ -12,7 +12,7 @@
 #include <doctest/doctest.h>
 
 #include <tests/support/driven_zlac8015d.hpp>
-#include <tests/support/zlac8015d_readings.hpp>
+#include <tests/support/zlac8015d_interpretations.hpp>
 
 namespace zlac8015d_scenes {
 
@@ -24,7 +24,7 @@ using rig = simulated::driven_zlac8015d;
 using enum operating_mode;
 using enum synchronisation;
 using drive_type = zlac8015d::drive<rig::line_type>;
-using zlac8015d_readings::options;
+using zlac8015d_interpretations::options;
 
 constexpr auto zero_targets = modbus::write_frame(1, 0x2088, std::array<u16, 2>{0, 0});
 constexpr auto zero_torques = modbus::write_frame(1, 0x2090, std::array<u16, 2>{0, 0});
@@ -105,7 +105,7 @@ inline void have_had_a_fault(rig& r) {
 
 // If the running bits do not show every turning wheel, the speeds do, down to 2 r/min.
 inline bool is_still(const rig& r) {
-    if (r.readings.bit == options::running::turns) return r.model.stands_still();
+    if (r.interpretations.bit == options::running::turns) return r.model.stands_still();
     const auto is_slow = [](const sim::wheel_view& w) {
         return w.speed <= 2'050'000 && w.speed >= -2'050'000;
     };
@@ -204,10 +204,10 @@ const row commands[] = {
 };
 // clang-format on
 
-// Commands that cannot succeed under a reading of the manual, and report it [errata B30 to B32].
+// Commands that cannot succeed under an interpretation of the manual, and report it [errata B30 to B32].
 
 inline bool has(const std::string& name, const char* part) { return name.find(part) != name.npos; }
-/// True if the preparation of the command can succeed under this reading.
+/// True if the preparation of the command can succeed under this interpretation.
 inline bool can_begin(const row& o, const options& of) {
     if (of.in_torque_mode == options::shaft::released && has(o.name, "torque") && o.prepare != take)
         return false;
@@ -251,7 +251,7 @@ struct scene : rig {
     std::size_t begun() const { return wire.requests() - asked; }
     /// The command ended before the event: it is done.
     bool is_over() {
-        CHECK(static_cast<bool>(drive.last()) == ends_well(of, readings));
+        CHECK(static_cast<bool>(drive.last()) == ends_well(of, interpretations));
         if (drive.last()) CHECK(of.is_done(*this));
         return false;
     }
@@ -264,7 +264,8 @@ struct scene : rig {
         wire.wait(idle.us == 0 ? microseconds(10) : idle);
     }
     template <class Before> void play(Before before_each_turn) {
-        const std::uint64_t end = wire.time_us() + (ends_well(of, readings) ? 5'000'000u : 70'000'000u);
+        const std::uint64_t end =
+            wire.time_us() + (ends_well(of, interpretations) ? 5'000'000u : 70'000'000u);
         while (!drive.is_idle()) {
             before_each_turn();
             turn();

@@ -83,7 +83,7 @@ class frame_cutter {
 
   private:
     /// The bytes from some place on as a request or as a response.
-    struct reading {
+    struct candidate {
         enum class state : std::uint8_t { impossible, incomplete, bad_crc, whole };
         state is = state::impossible;
         std::size_t size = 0; ///< 0 while it is not known
@@ -99,29 +99,29 @@ class frame_cutter {
         return is_closed() ? all.first(closed_) : all;
     }
 
-    static reading of_size(servobus::bytes from, std::size_t size) {
-        using enum reading::state;
+    static candidate of_size(servobus::bytes from, std::size_t size) {
+        using enum candidate::state;
         if (from.size() < size) return {incomplete, size};
         return {is_whole(from, size) ? whole : bad_crc, size};
     }
 
-    static reading as_request(servobus::bytes from) {
-        using enum reading::state;
+    static candidate as_request(servobus::bytes from) {
+        using enum candidate::state;
         if (from.size() < 2) return {incomplete};
         const bool is_exception = (from[1] & servobus::modbus::exception_flag) != 0;
         if (is_exception || !has_length(from) || !may_be_request(from)) return {};
         const std::size_t size = request_size(from);
         if (size == 0) return {incomplete};
-        return size > max_frame ? reading{} : of_size(from, size);
+        return size > max_frame ? candidate{} : of_size(from, size);
     }
 
-    static reading as_response(servobus::bytes from) {
-        using enum reading::state;
+    static candidate as_response(servobus::bytes from) {
+        using enum candidate::state;
         if (from[0] == servobus::modbus::broadcast) return {};
         if (from.size() < 2) return {incomplete};
         const bool is_exception = (from[1] & servobus::modbus::exception_flag) != 0;
         if (!is_exception && !(has_length(from) && may_be_response(from))) return {};
-        return from.size() < 3 ? reading{incomplete} : of_size(from, response_size(from));
+        return from.size() < 3 ? candidate{incomplete} : of_size(from, response_size(from));
     }
 
     bool is_expected(servobus::bytes response) const {
@@ -138,16 +138,16 @@ class frame_cutter {
 
     // The frame that begins with the first of these bytes.
     found find(servobus::bytes from) const {
-        using enum reading::state;
-        const reading request = as_request(from);
-        const reading response = as_response(from);
+        using enum candidate::state;
+        const candidate request = as_request(from);
+        const candidate response = as_response(from);
         if (request.is == whole && response.is == whole) return {longer(from, request.size, response.size)};
         if (response.is == whole && is_expected(from)) return {response.size};
         // A whole request may be the beginning of a longer response, whose CRC tells then.
         const bool is_likely = response.is == incomplete && (!is_in_step_ || is_expected(from));
         if (request.is == whole && response.is != whole && !is_likely) return {request.size};
         if (request.is == incomplete || response.is == incomplete) {
-            const reading& other = request.is == whole ? request : response;
+            const candidate& other = request.is == whole ? request : response;
             return {is_closed() && other.is == whole ? other.size : 0, true};
         }
         return {response.is == whole ? response.size : 0};
@@ -166,13 +166,13 @@ class frame_cutter {
     // Where the next whole frame begins; 0 if there is none. Among bytes that are not in step only what is
     // well-formed counts, since by chance one place in 65536 has a right CRC.
     std::size_t find_next() const {
-        using enum reading::state;
+        using enum candidate::state;
         for (std::size_t at = 1; at + min_frame <= burst().size(); ++at) {
             const servobus::bytes from = burst().subspan(at);
             if (!has_length(from)) continue;
-            const reading request = as_request(from);
+            const candidate request = as_request(from);
             if (request.is == whole && servobus::is_request(pdu_of(from, request.size))) return at;
-            const reading response = as_response(from);
+            const candidate response = as_response(from);
             if (response.is == whole && servobus::is_response(pdu_of(from, response.size))) return at;
         }
         return 0;

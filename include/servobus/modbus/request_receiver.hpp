@@ -26,16 +26,15 @@ namespace servobus::modbus {
 ///
 /// Strict timing separates frames by gaps. Host timing, where adapters add gaps and hide others, separates
 /// frames by length and CRC. A frame of another address may then be a request of one length or a response of
-/// another. The server follows both readings of the bytes. If only one of them contains a request to this
-/// server, the request is executed after a visible gap (`rtu_timing::visible_gap`) has ended the other
-/// reading.
+/// another: these are two parse candidates, and the server follows both. If only one of them contains a request to
+/// this server, the request is executed after a visible gap (`rtu_timing::visible_gap`) has ended the other.
 ///
 /// In host timing a frame of another address with a function of unknown length ends with a visible gap, or
 /// earlier where its CRC fits and no byte was received for t3.5. Only the next request is found so: no
 /// request to this server ends there.
 ///
 /// Up to `leading_bytes` bytes 00 or FF after a gap are skipped, as a driver that is switched on sends them. A
-/// frame that begins with such a byte, such as a broadcast, is another reading of the bytes. It is executed where
+/// frame that begins with such a byte, such as a broadcast, is another parse candidate. It is executed where
 /// it ends; a request after skipped bytes may have to wait for a visible gap.
 ///
 /// `Server` has two members:
@@ -130,19 +129,19 @@ template <class Server> class request_receiver {
 
     constexpr void take(std::uint8_t byte) {
         if (state_ != state::listening) return;
-        const bool is_ambiguous = reading_count_ > 1;
+        const bool is_ambiguous = candidate_count_ > 1;
         if (count_ == max_frame && is_ambiguous) give_up_oldest();
         if (count_ >= max_frame) return start_resync();
         buffer_[count_++] = byte;
         part(is_ambiguous);
         beginning_ = may_skip(byte) ? static_cast<std::uint16_t>(beginning_ - 1) : std::uint16_t{0};
         // Skipping a byte never hides a frame that begins with it.
-        reading r = readings_[0];
+        candidate r = candidates_[0];
         std::size_t direct = 0;
-        for (std::size_t i = 0; i < reading_count_; ++i) {
-            if (!readings_[i].has_skipped) r = readings_[i], ++direct;
+        for (std::size_t i = 0; i < candidate_count_; ++i) {
+            if (!candidates_[i].has_skipped) r = candidates_[i], ++direct;
         }
-        if (direct != 1 && reading_count_ != 1) return;
+        if (direct != 1 && candidate_count_ != 1) return;
         const bytes frame = under_way(r);
         if (frame.empty() || !is_mine(frame[0]) || frame.size() != request_length(frame)) return;
         if (crc16(frame) == 0) return execute(r, frame);
@@ -153,8 +152,8 @@ template <class Server> class request_receiver {
     // last frame was a read request to another address, `unit` is that address and `byte_count` the count of
     // its response; otherwise `byte_count` is 0. It is `any` while nothing is known of the line: any read
     // response may follow. `has_skipped`: a byte 00 or FF before the frame was skipped, and there is a
-    // reading in which the frame begins with it.
-    struct reading {
+    // candidate in which the frame begins with it.
+    struct candidate {
         static constexpr std::uint8_t any = 0xFF;
 
         std::uint16_t begin = 0;
@@ -175,26 +174,26 @@ template <class Server> class request_receiver {
     constexpr bool is_mine(std::uint8_t node_address) const {
         return node_address == unit_ || node_address == broadcast;
     }
-    constexpr bytes under_way(const reading& r) const { return bytes{buffer_, count_}.subspan(r.begin); }
+    constexpr bytes under_way(const candidate& r) const { return bytes{buffer_, count_}.subspan(r.begin); }
     constexpr bool is_glitch(std::uint8_t byte) const {
         return (byte == 0x00 || byte == 0xFF) && byte != unit_;
     }
     constexpr bool may_skip(std::uint8_t byte) const { return beginning_ > 1 && is_glitch(byte); }
 
-    // Applies the newest byte to every reading.
+    // Applies the newest byte to every candidate.
     constexpr void part(bool is_ambiguous) {
-        reading before[most_readings];
-        const std::size_t count = reading_count_;
-        for (std::size_t i = 0; i < count; ++i) before[i] = readings_[i];
+        candidate before[most_candidates];
+        const std::size_t count = candidate_count_;
+        for (std::size_t i = 0; i < count; ++i) before[i] = candidates_[i];
         if (count == 1) before[0].has_skipped = false;
-        reading_count_ = 0;
+        candidate_count_ = 0;
         for (std::size_t i = 0; i < count; ++i) follow(before[i], is_ambiguous);
-        if (reading_count_ == 0 || reading_count_ > most_readings) return start_resync();
+        if (candidate_count_ == 0 || candidate_count_ > most_candidates) return start_resync();
         move_to_front();
     }
 
-    // Keeps a reading unless its current frame can no longer become valid.
-    constexpr void follow(reading r, bool is_ambiguous) {
+    // Keeps a candidate unless its current frame can no longer become valid.
+    constexpr void follow(candidate r, bool is_ambiguous) {
         const std::size_t as_request = request_length(under_way(r));
         // More bytes followed: if that was a request, its client did not wait for the response.
         if (is_ambiguous && as_request != 0 && is_mine(under_way(r)[0]) && under_way(r).size() > as_request)
@@ -223,7 +222,7 @@ template <class Server> class request_receiver {
     static constexpr bool is_function(std::uint8_t code) { return code != 0 && code < exception_flag; }
 
     // A frame may begin with this byte; or after it, if it may be skipped.
-    constexpr void begin_frame(reading r, std::uint8_t byte) {
+    constexpr void begin_frame(candidate r, std::uint8_t byte) {
         if (!is_host() && beginning_ == 0) return;
         add(r);
         if (!may_skip(byte)) return;
@@ -245,8 +244,8 @@ template <class Server> class request_receiver {
         return frame[6] == (frame[1] == 0x0F ? (quantity + 7) / 8 : 2 * quantity);
     }
 
-    // The reading that continues after `frame`, which ended with the newest byte.
-    constexpr reading behind(const reading& r, bytes frame, bool is_request) const {
+    // The candidate that continues after `frame`, which ended with the newest byte.
+    constexpr candidate behind(const candidate& r, bytes frame, bool is_request) const {
         const auto begin = static_cast<std::uint16_t>(count_);
         if (is_request && detail::is_in(detail::counted_responses, frame[1])) {
             const std::size_t quantity = load_word(frame, 4);
@@ -258,22 +257,22 @@ template <class Server> class request_receiver {
     }
 
     // No byte was received for t3.5, in host timing. Ends the frames that end so. If a frame has ended,
-    // readings that are inside a frame of unknown length are wrong.
+    // candidates that are inside a frame of unknown length are wrong.
     constexpr void note_pause() {
         if (state_ != state::listening || beginning_ == at_beginning()) return; // or it was noted before
         beginning_ = at_beginning();
         const auto end = static_cast<std::uint16_t>(count_);
         bool has_ended = false;
-        for (std::size_t i = 0; i < reading_count_; ++i) {
-            reading& r = readings_[i];
+        for (std::size_t i = 0; i < candidate_count_; ++i) {
+            candidate& r = candidates_[i];
             if (ends_with_pause(under_way(r))) r = {end, 0, 0, r.has_skipped};
             has_ended = has_ended || r.begin == end;
         }
         if (!has_ended) return;
-        const std::size_t count = reading_count_;
-        reading_count_ = 0;
+        const std::size_t count = candidate_count_;
+        candidate_count_ = 0;
         for (std::size_t i = 0; i < count; ++i) { // `add` stores no further than at i
-            const reading r = readings_[i];
+            const candidate r = candidates_[i];
             const bytes frame = under_way(r);
             if (frame.size() < 2 || has_length(frame[1]) || is_whole(frame)) add(r);
         }
@@ -285,40 +284,40 @@ template <class Server> class request_receiver {
         return frame.size() >= min_frame && frame[0] != unit_ && !has_length(frame[1]) && crc16(frame) == 0;
     }
 
-    // Adds a reading. Readings whose current frame begins at the same byte are merged.
-    constexpr void add(const reading& r) {
-        for (std::size_t i = 0; i < reading_count_ && i < most_readings; ++i) {
-            reading& known = readings_[i];
+    // Adds a candidate. Candidates whose current frame begins at the same byte are merged.
+    constexpr void add(const candidate& r) {
+        for (std::size_t i = 0; i < candidate_count_ && i < most_candidates; ++i) {
+            candidate& known = candidates_[i];
             if (known.begin != r.begin) continue;
             const bool has_skipped = known.has_skipped && r.has_skipped;
             if (known.byte_count != r.byte_count || known.node_address != r.node_address) known = {r.begin};
             known.has_skipped = has_skipped;
             return;
         }
-        if (reading_count_ < most_readings) readings_[reading_count_] = r;
-        ++reading_count_;
+        if (candidate_count_ < most_candidates) candidates_[candidate_count_] = r;
+        ++candidate_count_;
     }
 
     // Moves the oldest current frame to the start of the buffer.
     constexpr void move_to_front() {
         std::size_t begin = count_;
-        for (std::size_t i = 0; i < reading_count_; ++i) {
-            if (readings_[i].begin < begin) begin = readings_[i].begin;
+        for (std::size_t i = 0; i < candidate_count_; ++i) {
+            if (candidates_[i].begin < begin) begin = candidates_[i].begin;
         }
         if (begin == 0) return;
         for (std::size_t i = begin; i < count_; ++i) buffer_[i - begin] = buffer_[i];
-        for (std::size_t i = 0; i < reading_count_; ++i)
-            readings_[i].begin = static_cast<std::uint16_t>(readings_[i].begin - begin);
+        for (std::size_t i = 0; i < candidate_count_; ++i)
+            candidates_[i].begin = static_cast<std::uint16_t>(candidates_[i].begin - begin);
         count_ -= begin;
     }
 
-    // Drops the readings whose current frame fills the buffer: no valid frame is longer.
+    // Drops the candidates whose current frame fills the buffer: no valid frame is longer.
     constexpr void give_up_oldest() {
         std::size_t kept = 0;
-        for (std::size_t i = 0; i < reading_count_; ++i) {
-            if (readings_[i].begin != 0) readings_[kept++] = readings_[i];
+        for (std::size_t i = 0; i < candidate_count_; ++i) {
+            if (candidates_[i].begin != 0) candidates_[kept++] = candidates_[i];
         }
-        reading_count_ = static_cast<std::uint8_t>(kept);
+        candidate_count_ = static_cast<std::uint8_t>(kept);
         move_to_front();
     }
 
@@ -331,16 +330,16 @@ template <class Server> class request_receiver {
         return length == 0 || length == frame.size() || !self().is_executed(frame[1]);
     }
 
-    // Handles a gap, which ends every frame: readings with an incomplete frame are wrong. If one reading
+    // Handles a gap, which ends every frame: candidates with an incomplete frame are wrong. If one candidate
     // remains, returns the frame that the gap has ended, or an empty one if its last frame had ended before.
     // If none or several remain, drops everything and returns an empty one.
     constexpr bytes settle() {
         std::size_t whole = 0;
-        reading left{};
-        for (std::size_t i = 0; i < reading_count_; ++i) {
-            const bytes frame = under_way(readings_[i]);
+        candidate left{};
+        for (std::size_t i = 0; i < candidate_count_; ++i) {
+            const bytes frame = under_way(candidates_[i]);
             if (!frame.empty() && !is_whole(frame)) continue;
-            left = readings_[i];
+            left = candidates_[i];
             ++whole;
         }
         if (whole != 1) {
@@ -352,26 +351,26 @@ template <class Server> class request_receiver {
         return frame;
     }
 
-    // Ends frames whose function does not determine their length, and decides between readings.
+    // Ends frames whose function does not determine their length, and decides between candidates.
     constexpr void end_by_gap() {
         const bytes frame = settle();
         if (frame.empty()) return;
         if (frame[0] == unit_ || (frame[0] == broadcast && request_length(frame) != 0))
-            return execute(readings_[0], frame);
+            return execute(candidates_[0], frame);
         drop();
     }
 
-    constexpr void begin_anew(reading r) {
+    constexpr void begin_anew(candidate r) {
         r.begin = 0;
-        readings_[0] = r;
-        reading_count_ = 1;
+        candidates_[0] = r;
+        candidate_count_ = 1;
         count_ = 0;
     }
 
-    // `frame` is under way in `r`. All other readings are dropped.
-    constexpr void execute(reading r, bytes frame) {
+    // `frame` is under way in `r`. All other candidates are dropped.
+    constexpr void execute(candidate r, bytes frame) {
         // A new request: the client no longer expects a response to one sent before the server's first byte.
-        if (r.byte_count == reading::any) r.byte_count = 0;
+        if (r.byte_count == candidate::any) r.byte_count = 0;
         begin_anew(r);
         const bool is_broadcast = frame[0] == broadcast;
         response_[0] = unit_;
@@ -396,7 +395,7 @@ template <class Server> class request_receiver {
         drop();
     }
 
-    // Counts a dropped frame and starts again with one reading, in which any response may follow.
+    // Counts a dropped frame and starts again with one candidate, in which any response may follow.
     constexpr void drop() {
         ++dropped_;
         begin_anew({});
@@ -405,17 +404,17 @@ template <class Server> class request_receiver {
     constexpr Server& self() { return static_cast<Server&>(*this); }
     constexpr const Server& self() const { return static_cast<const Server&>(*this); }
 
-    static constexpr std::size_t most_readings = 4;
+    static constexpr std::size_t most_candidates = 4;
 
     rtu_timing timing_;
     instant last_{};
     std::uint8_t buffer_[max_frame]{};
     std::uint8_t response_[max_frame]{};
-    reading readings_[most_readings]{};
+    candidate candidates_[most_candidates]{};
     std::size_t count_ = 0;
     std::size_t response_size_ = 0;
     std::uint32_t dropped_ = 0;
-    std::uint8_t reading_count_ = 1;
+    std::uint8_t candidate_count_ = 1;
     std::uint8_t unit_;
     std::uint8_t leading_bytes_;
     std::uint8_t bad_crc_;

@@ -13,7 +13,7 @@
 //
 // From the manual V24.111: parameters, ranges, defaults, when they may be written and take effect, functions
 // of the terminals, control modes, homing modes, alarms. sim/c630s/options.hpp lists what the model does
-// where the manual is silent, with the switches for other readings.
+// where the manual is silent, with the switches for other interpretations.
 #pragma once
 
 #include <array>

@@ -61,28 +61,29 @@ class conformance : conformance_examination<typename detail::whole_subject<Subje
     /// Every mishap at every request of every command, each interpretation of the manual alone. Of equal requests in a
     /// row, as in a wait, the first, the second and the last.
     played singles() {
-        for (unsigned reading = 0; reading < Subject::readings; ++reading) singles(reading);
+        for (unsigned interpretation = 0; interpretation < Subject::interpretations; ++interpretation)
+            singles(interpretation);
         return base::played_;
     }
     /// The same for one interpretation, or a part of it. Each part plays every command once without a mishap.
-    played singles(unsigned reading, share part = {}) {
-        each_single(reading, part,
-                    [&](unsigned c, planned_mishap only) { (void)play(c, reading, only, {}); });
+    played singles(unsigned interpretation, share part = {}) {
+        each_single(interpretation, part,
+                    [&](unsigned c, planned_mishap only) { (void)play(c, interpretation, only, {}); });
         return base::played_;
     }
 
     /// Every pair of mishaps whose first one is a single mishap of the part; the second one is at the same request or at a
     /// later one of the command or of the half second after it. Plays the single mishaps too.
-    played every_pair(unsigned reading, share part = {}) {
-        each_pair(reading, part, [&](unsigned c, planned_mishap first, planned_mishap second) {
-            (void)play(c, reading, first, second);
+    played every_pair(unsigned interpretation, share part = {}) {
+        each_pair(interpretation, part, [&](unsigned c, planned_mishap first, planned_mishap second) {
+            (void)play(c, interpretation, first, second);
         });
         return base::played_;
     }
     /// How many pairs `every_pair` plays. Plays the single mishaps for that.
-    std::uint64_t count_pairs(unsigned reading, share part = {}) {
+    std::uint64_t count_pairs(unsigned interpretation, share part = {}) {
         std::uint64_t count = 0;
-        each_pair(reading, part, [&](unsigned, planned_mishap, planned_mishap) { ++count; });
+        each_pair(interpretation, part, [&](unsigned, planned_mishap, planned_mishap) { ++count; });
         return count;
     }
 
@@ -92,12 +93,12 @@ class conformance : conformance_examination<typename detail::whole_subject<Subje
         dice random{seed};
         for (std::uint32_t i = 0; i < runs; ++i) {
             const unsigned c = random.below(cases());
-            const unsigned reading = random.below(Subject::readings);
+            const unsigned interpretation = random.below(Subject::interpretations);
             const auto any = [&](unsigned from) {
                 return planned_mishap{all_mishaps[random.below(mishaps)], from + random.below(12)};
             };
             const planned_mishap first = any(0);
-            (void)play(c, reading, first, any(first.request));
+            (void)play(c, interpretation, first, any(first.request));
         }
         return base::played_;
     }
@@ -107,7 +108,7 @@ class conformance : conformance_examination<typename detail::whole_subject<Subje
         if (chosen.size() < 6) return base::played_;
         const planned_mishap first{all_mishaps[chosen[2] % mishaps], chosen[3] % 32u};
         const planned_mishap second{all_mishaps[chosen[4] % mishaps], first.request + chosen[5] % 32u};
-        (void)play(chosen[0] % cases(), chosen[1] % Subject::readings, first, second);
+        (void)play(chosen[0] % cases(), chosen[1] % Subject::interpretations, first, second);
         return base::played_;
     }
 
@@ -116,12 +117,12 @@ class conformance : conformance_examination<typename detail::whole_subject<Subje
 
     // Calls `use(command, mishap)` for each single mishap of the part. A step in the numbers from request to request lets
     // a part of an even number have every mishap.
-    template <class Use> void each_single(unsigned reading, share part, const Use& use) {
-        if (!base::is_fit(reading)) return;
+    template <class Use> void each_single(unsigned interpretation, share part, const Use& use) {
+        if (!base::is_fit(interpretation)) return;
         std::uint32_t number = 0;
         for (unsigned c = 0; c < cases(); ++c) {
             const std::uint32_t findings = base::played_.findings;
-            const unsigned requests = play(c, reading, {}, {});
+            const unsigned requests = play(c, interpretation, {}, {});
             if (base::played_.findings != findings) continue; // that is to be mended first
             const auto at = base::chosen_;
             for (unsigned i = 0; i < requests; ++i, ++number) {
@@ -131,10 +132,10 @@ class conformance : conformance_examination<typename detail::whole_subject<Subje
             }
         }
     }
-    template <class Use> void each_pair(unsigned reading, share part, const Use& use) {
-        each_single(reading, part, [&](unsigned c, planned_mishap first) {
+    template <class Use> void each_pair(unsigned interpretation, share part, const Use& use) {
+        each_single(interpretation, part, [&](unsigned c, planned_mishap first) {
             const std::uint32_t findings = base::played_.findings;
-            const unsigned requests = play(c, reading, first, {});
+            const unsigned requests = play(c, interpretation, first, {});
             if (base::played_.findings != findings) return;
             const auto at = base::chosen_;
             for (unsigned i = 0; i < requests; ++i) {

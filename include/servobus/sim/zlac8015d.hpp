@@ -14,7 +14,7 @@
 // From the RS485 manual V1.07: registers, ranges, defaults, exceptions, control word, modes, status word,
 // faults, the stop by an input. Where the manual is silent, the model does one of the things that a drive may
 // do, usually the worst for a careless program. These are assumptions, not facts about the drive. Where
-// another reading matters, `options` has a switch for it; "no switch" gives the reason where it does not:
+// another interpretation matters, `options` has a switch for it; "no switch" gives the reason where it does not:
 //
 //  1  Writing a read-only register is exception 2; a value outside its range or code list is exception 3.
 //     Either way the host learns that nothing was written: no switch.

@@ -320,7 +320,7 @@ TEST_CASE("G22: values that were read in a word order which the drive no longer 
     const std::uint8_t low_first[]{0, 1};
     REQUIRE(r.lift_model.write(yako::pair_word_order.address, words_view{low_first}) ==
             0);  // by another client
-    r.loop(250); // two readings
+    r.loop(250); // two refreshes
     REQUIRE(r.p.lift.begin(yako::init{}) == errc::ok);
     unsigned given = 0;
     for (int i = 0; i < 3'000; ++i) {

@@ -194,7 +194,7 @@ TEST_CASE("the load of a plan counts reads, images, witnesses and commands") {
 
 namespace figures {
 // A C630S, whose feedback is one word; the longest of its further blocks, of which one is read with every second
-// reading, has four.
+// refresh, has four.
 constexpr poll_plan of_a_servo{modbus::timing_at(9600),
                                controlled(node<c630s::device>{1}, {.feedback = milliseconds(100),
                                                                    .command_timeout = no_command_timeout})};

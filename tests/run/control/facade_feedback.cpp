@@ -123,7 +123,7 @@ TEST_CASE("G36: a drive whose feedback was never read has none, however young th
 }
 
 TEST_CASE(
-    "G35: while the stop for a fault is under way a motion is refused for the fault, a reading is busy") {
+    "G35: while the stop for a fault is under way a motion is refused for the fault, a refresh is busy") {
     bare_rigs::rig r{milliseconds(20)};
     bare::model::judges = [](std::uint16_t) { return verdict::faulted; };
     while (r.drive.is_idle()) r.turn(); // until its stop begins
@@ -174,7 +174,7 @@ TEST_CASE(
             do b->loop(100'000);
             while (!b->servo.is_idle());
         }
-        // The frames are those of a drive whose position stays, but for the reading of the marker.
+        // The frames are those of a drive whose position stays, but for the read of the marker.
         CHECK((fallen.port.requests != there.port.requests) == (how == scene::is_marked));
         if (how != scene::is_restarted) CHECK(fallen.position() == 3);
     }

@@ -91,7 +91,7 @@ TEST_CASE("a drive that is to be checked and has nothing that a restart would ch
 }
 
 TEST_CASE(
-    "G39: each reading that raises a suspicion is followed by one read of the witness, which clears it") {
+    "G39: each refresh that raises a suspicion is followed by one read of the witness, which clears it") {
     rig r{milliseconds(20)};
     r.file.words[0x0100] = 0;
     REQUIRE(r.drive.run(take_over_witnessed));
@@ -100,10 +100,10 @@ TEST_CASE(
     r.port.frames.clear();
     r.loop(1000);
     bare::model::judges = [](std::uint16_t) { return verdict::as_expected; };
-    const std::size_t readings = reads_of(r, 0x0110);
-    CHECK(readings >= 40);
-    CHECK(r.port.frames.size() - readings <= readings + 1);
-    CHECK(r.port.frames.size() - readings + 1 >= readings);
+    const std::size_t refreshes = reads_of(r, 0x0110);
+    CHECK(refreshes >= 40);
+    CHECK(r.port.frames.size() - refreshes <= refreshes + 1);
+    CHECK(r.port.frames.size() - refreshes + 1 >= refreshes);
     CHECK(r.drive.check_feedback(milliseconds(50)) == errc::ok);
 }
 

@@ -40,8 +40,8 @@ struct scene {
     bus<plan, line_type, decltype(wheels)> all{on, wheels};
     bool has_bus;
 
-    explicit scene(stepper who, const sim_options& readings = {})
-        : model{readings}, has_bus{who == stepper::bus} {
+    explicit scene(stepper who, const sim_options& interpretations = {})
+        : model{interpretations}, has_bus{who == stepper::bus} {
         wire.attach(station);
         command(init{});
         command(ramps{100 * millisecond, 100 * millisecond});

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// A restart in the middle of a move, a homing or a reading: no wait takes it for an arrival, and no position of the
+// A restart in the middle of a move, a homing or a refresh: no wait takes it for an arrival, and no position of the
 // restarted drive is delivered as that of the one before. The simulated shaft, which no restart resets, says where the
 // motor is.
 #include <doctest/doctest.h>
@@ -146,7 +146,7 @@ TEST_CASE("G36, G39: no position of a restarted ZLAC8015D is given as that of th
 }
 
 TEST_CASE(
-    "G37, G39: on an undisturbed line no reading of a turning ZLAC8015D fails, whatever its shafts read as") {
+    "G37, G39: on an undisturbed line no refresh of a turning ZLAC8015D fails, whatever its shafts read as") {
     for (const auto shaft :
          {sim::zlac8015d_options::shaft::locked, sim::zlac8015d_options::shaft::released}) {
         sim::zlac8015d_options options{};
@@ -323,7 +323,7 @@ TEST_CASE(
 }
 
 TEST_CASE(
-    "G39: a YAKO that restarts before the first reading after a setting gives no position of its new life") {
+    "G39: a YAKO that restarts before the first refresh after a setting gives no position of its new life") {
     for (const bool is_init : {false, true}) {
         for (std::uint32_t after = 5'000; after < 490'000; after += 40'000) {
             CAPTURE(is_init);

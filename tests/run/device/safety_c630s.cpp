@@ -14,7 +14,7 @@ using namespace c630s_scenes;
 TEST_CASE(
     "S1, G37: after a program has crashed at any frame of any command, init of a new program first stops "
     "the drive" *
-    doctest::test_suite("readings")) {
+    doctest::test_suite("interpretations")) {
     under_each([] {
         std::size_t scenes = 0;
         for (const row& o : command_rows) {
@@ -40,7 +40,7 @@ TEST_CASE(
 
 TEST_CASE("G15, G29: if the line is lost at any frame of any command, the command ends in time, and a stop "
           "works when the line returns" *
-          doctest::test_suite("readings")) {
+          doctest::test_suite("interpretations")) {
     under_each([] {
         std::size_t scenes = 0;
         for (const row& o : command_rows) {
@@ -69,7 +69,7 @@ TEST_CASE("G15, G29: if the line is lost at any frame of any command, the comman
 }
 
 TEST_CASE("G15, G16, G21: if one frame of any command is hurt, a command that is reported as done was done" *
-          doctest::test_suite("readings")) {
+          doctest::test_suite("interpretations")) {
     under_each([] {
         std::size_t scenes = 0;
         for (const row& o : command_rows) {
@@ -97,7 +97,7 @@ TEST_CASE("G15, G16, G21: if one frame of any command is hurt, a command that is
             scenes += disturb_each_frame(o, mishap::response_lost, o.model(), judge);
             constexpr mishap others[] = {mishap::response_damaged, mishap::response_late, mishap::refused,
                                          mishap::port_lost_sending, mishap::port_lost_awaiting};
-            // Under each other reading one of them; the whole product has enough scenes without them.
+            // Under each other interpretation one of them; the whole product has enough scenes without them.
             for (std::size_t i = 0; i < std::size(others) && !now_read->is_of_whole_product; ++i) {
                 if (now_read->number == 0 || now_read->number % std::size(others) == i)
                     scenes += disturb_each_frame(o, others[i], o.model(), judge);
@@ -146,7 +146,7 @@ TEST_CASE(
 }
 
 TEST_CASE("S5: if the drive restarts after any frame of any command, no cached word energises it again" *
-          doctest::test_suite("readings")) {
+          doctest::test_suite("interpretations")) {
     under_each([] {
         std::size_t scenes = 0;
         for (const row& o : command_rows) {
@@ -189,7 +189,7 @@ TEST_CASE("S5: if the drive restarts after any frame of any command, no cached w
 // it.
 TEST_CASE("S5: a drive that a halt has enabled again after a restart is switched off when the restart is "
           "found") {
-    static c630s_reading forgets;
+    static c630s_interpretation forgets;
     forgets.options.stores_eeprom_off = false;
     now_read = &forgets;
     const auto judge = [](rig& r, const routine_status&, const sim::c630s&, std::size_t) {
@@ -203,7 +203,7 @@ TEST_CASE("S5: a drive that a halt has enabled again after a restart is switched
     for (const row& o : command_rows) {
         if (std::string{o.name} == "halt, jog") disturb_each_frame(o, mishap::blink, o.model(), judge);
     }
-    now_read = &c630s_readings::all().front();
+    now_read = &c630s_interpretations::all().front();
 }
 
 } // namespace safety_c630s_tests

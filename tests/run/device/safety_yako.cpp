@@ -18,7 +18,7 @@ using namespace yako_scenes;
 TEST_CASE_TEMPLATE("S1, G37: after a program has crashed at any frame of any command, init of the next "
                    "program first stops the "
                    "axis" *
-                       doctest::test_suite("readings"),
+                       doctest::test_suite("interpretations"),
                    A, closed_axis, open_axis) {
     at_every_frame<A>([](const row<A>& o, std::size_t n, bool is_late, const sim::yako_options& by) {
         scene<A> s{o, by};
@@ -43,7 +43,7 @@ TEST_CASE_TEMPLATE("S1, G37: after a program has crashed at any frame of any com
 
 TEST_CASE_TEMPLATE("G15, G29: if the line is lost for good at any frame of any command, the command fails in "
                    "time and nothing but stops is sent twice" *
-                       doctest::test_suite("readings"),
+                       doctest::test_suite("interpretations"),
                    A, closed_axis, open_axis) {
     at_every_frame<A>([](const row<A>& o, std::size_t n, bool is_response, const sim::yako_options& by) {
         scene<A> s{o, by};
@@ -72,7 +72,7 @@ TEST_CASE_TEMPLATE("G15, G29: if the line is lost for good at any frame of any c
 
 TEST_CASE_TEMPLATE(
     "G15, G16, G21: if one transaction of any command is hurt, the reported outcome is correct" *
-        doctest::test_suite("readings"),
+        doctest::test_suite("interpretations"),
     A, closed_axis, open_axis) {
     at_every_frame<A>(std::size(simulated::transaction_faults),
                       [](const row<A>& o, std::size_t n, std::size_t variant, const sim::yako_options& by) {
@@ -135,7 +135,7 @@ TEST_CASE_TEMPLATE(
 }
 
 TEST_CASE_TEMPLATE("G21, S4, S6: if the drive restarts at any frame of any command, no wrong motion follows" *
-                       doctest::test_suite("readings"),
+                       doctest::test_suite("interpretations"),
                    A, closed_axis, open_axis) {
     at_every_frame<A>([](const row<A>& o, std::size_t n, bool boots_slowly, const sim::yako_options& by) {
         const std::uint64_t boot_us = boots_slowly ? 300'000 : 5'000; // no request is received meanwhile

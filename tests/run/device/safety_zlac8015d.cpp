@@ -15,8 +15,8 @@ using namespace zlac8015d_scenes;
 TEST_CASE(
     "S1, G37: after a program has crashed at any frame of any command, init of the next program first stops "
     "the drive" *
-    doctest::test_suite("readings")) {
-    zlac8015d_readings::under([](const options& of) {
+    doctest::test_suite("interpretations")) {
+    zlac8015d_interpretations::under([](const options& of) {
         std::size_t scenes = 0;
         for (const std::uint32_t rest : {5u, 1500u}) {
             scenes += at_every_frame(of, [rest, &of](const row& o, std::size_t n) {
@@ -187,9 +187,10 @@ TEST_CASE(
     for (const std::uint32_t boot : {0u, 300u}) CHECK(restarts({}, boot) > 0);
 }
 
-TEST_CASE("G21, S2: a restart at any frame of any command is detected under each reading of the manual" *
-          doctest::test_suite("readings")) {
-    zlac8015d_readings::under([](const options& of) { return restarts(of, 5); });
+TEST_CASE(
+    "G21, S2: a restart at any frame of any command is detected under each interpretation of the manual" *
+    doctest::test_suite("interpretations")) {
+    zlac8015d_interpretations::under([](const options& of) { return restarts(of, 5); });
 }
 
 } // namespace safety_zlac8015d_tests

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSL-1.0
 //
 // Frames of other nodes that can be read in two ways, with a whole valid request for this server in their
-// payload, where the wrong reading expects the next frame. Each is built by search, so that every CRC fits.
+// payload, where the wrong candidate expects the next frame. Each is built by search, so that every CRC fits.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -197,9 +197,9 @@ TEST_CASE("G13: where the same bytes end as a response and as a request, any res
                             response_of(5, 95) + read_of(6, 0x30, 12);
     REQUIRE(heard.size() == 3 + 238 + 2);
     REQUIRE(is_frame(heard, heard.size()));
-    for (const bool is_first_reading_known : {false, true}) {
+    for (const bool is_first_candidate_known : {false, true}) {
         bench b{modbus::timing_mode::host};
-        if (is_first_reading_known) b.overhear(read_of(2, 0, 119));
+        if (is_first_candidate_known) b.overhear(read_of(2, 0, 119));
         b.overhear(heard);
         b.overhear(double_faced_response(24, write_5));
         b.silence();
@@ -233,9 +233,9 @@ TEST_CASE(
     CHECK(found > 0);
 }
 
-TEST_CASE("G13: where a gap leaves two readings in which all frames are whole, nothing is executed") {
-    // In one reading node 2 is asked and responds, and then comes a request to this server. In the other it
-    // responds to what it was asked before, and then node 3 responds twice. The CRCs of the first reading
+TEST_CASE("G13: where a gap leaves two candidates in which all frames are whole, nothing is executed") {
+    // By one candidate node 2 is asked and responds, and then comes a request to this server. In the other it
+    // responds to what it was asked before, and then node 3 responds twice. The CRCs of the first candidate
     // together make the last CRC of the second fit: this is so with frames that end at these places.
     byte_list line = read_of(2, 0x6C00, 57);
     line.insert(line.end(), {2, 3, 114});
@@ -254,7 +254,7 @@ TEST_CASE("G13: where a gap leaves two readings in which all frames are whole, n
         b.overhear(read_of(2, 0, 54));
         b.silence();
         b.overhear(line);
-        // Both readings agree on what comes next.
+        // Both candidates agree on what comes next.
         is_at_once ? b.t3_5() : b.silence();
         CHECK(b.receive(read_2));
         CHECK(b.store.writes == 0);
@@ -355,7 +355,7 @@ TEST_CASE("G14: after a request that cannot be a response to an earlier one, the
     }
 }
 
-TEST_CASE("G13: while two readings are possible, a damaged frame to the server ends its reading") {
+TEST_CASE("G13: while two candidates are possible, a damaged frame to the server ends its candidate") {
     byte_list damaged = write_5;
     damaged[5] ^= 1u;
     bench b{modbus::timing_mode::host};
@@ -368,7 +368,7 @@ TEST_CASE("G13: while two readings are possible, a damaged frame to the server e
     CHECK(b.ask(write_5) == write_5);
 }
 
-TEST_CASE("G13, G14: a gap that is noticed only with the next byte ends the other readings, and a pending "
+TEST_CASE("G13, G14: a gap that is noticed only with the next byte ends the other candidates, and a pending "
           "request is lost") {
     for (const bool is_due : {false, true}) {
         bench b{modbus::timing_mode::host};
@@ -389,7 +389,8 @@ TEST_CASE("G13, G14: a gap that is noticed only with the next byte ends the othe
     }
 }
 
-TEST_CASE("G14, G32: a frame without a known length is none when it becomes too long, and its reading ends") {
+TEST_CASE(
+    "G14, G32: a frame without a known length is none when it becomes too long, and its candidate ends") {
     // The last byte of the request, a 0, and a frame of node 43 may be a broadcast of function 43.
     std::optional<byte_list> request;
     for (unsigned low = 0; !request; ++low) {
@@ -406,7 +407,7 @@ TEST_CASE("G14, G32: a frame without a known length is none when it becomes too 
     CHECK(b.server.dropped() == 0);
 }
 
-TEST_CASE("G13, G32: with more readings than the server follows it ignores all frames until a gap") {
+TEST_CASE("G13, G32: with more candidates than the server follows it ignores all frames until a gap") {
     bench b{modbus::timing_mode::host};
     for (int i = 0; i < 3; ++i) b.overhear(read_of(2, 0xF000, 120));
     CHECK(b.server.dropped() == 0);
@@ -498,7 +499,7 @@ TEST_CASE("G13, G14: after a short response that may be a longer request, and sk
 TEST_CASE("G14: where frames with and without skipped bytes before them end together, a request is executed "
           "immediately") {
     // After the chain, node 2 responds with 28 bytes; or it is asked, and 17 bytes 00 and FF come before a response of
-    // node 3: after so many both readings have the same CRC.
+    // node 3: after so many both candidates have the same CRC.
     byte_list skipped(17, 0x00);
     for (const std::size_t at : {0u, 1u, 3u, 14u, 16u}) skipped[at] = 0xFF;
     const byte_list asked = framed({2, 0x03, 28, 0x10, 0, 1});

@@ -165,7 +165,7 @@ TEST_CASE("S3: a position move also continues after a watchdog stop") {
     CHECK(b.drive.starts() == 1);
 }
 
-TEST_CASE("S3: by the manual's other reading the drive stays in quick stop after a watchdog stop") {
+TEST_CASE("S3: by the manual's other interpretation the drive stays in quick stop after a watchdog stop") {
     bench b{{.resumes_after_watchdog = false}};
     b.begin(operating_mode::velocity);
     b.set(map::left_target_speed, 100);
@@ -181,8 +181,9 @@ TEST_CASE("S3: by the manual's other reading the drive stays in quick stop after
     CHECK(b.get(map::left_actual_speed) == 1000);
 }
 
-TEST_CASE("a watchdog time of 0 switches the watchdog off, or by the other reading an enabled drive stops "
-          "immediately") {
+TEST_CASE(
+    "a watchdog time of 0 switches the watchdog off, or by the other interpretation an enabled drive stops "
+    "immediately") {
     bench other{{.host_timeout = sim::zlac8015d_options::zero::stops}};
     other.set(map::host_timeout, 0);
     other.begin(operating_mode::velocity);

@@ -11,7 +11,7 @@
 //
 // Where the manual is silent, the model does one of the things that a drive may do, usually the worst for a
 // careless program. These are assumptions, not facts about the drive. Where the facade depends on one,
-// `c630s_options` has a switch for the other readings, named in parentheses; for the others the reason why
+// `c630s_options` has a switch for the other interpretations, named in parentheses; for the others the reason why
 // there is none is in square brackets.
 //
 //  1  Writing a read-only parameter is exception 2, a value outside its range 3, a parameter for the stopped

@@ -29,38 +29,38 @@ template <class Subject> class conformance_examination : protected conformance_p
     using base::base;
 
     /// True if runs under this interpretation are worth while.
-    bool is_fit(unsigned reading) {
+    bool is_fit(unsigned interpretation) {
         if (base::is_enough()) return false;
-        if (examined_ == reading + 1) return is_fit_;
-        examined_ = reading + 1;
+        if (examined_ == interpretation + 1) return is_fit_;
+        examined_ = interpretation + 1;
         const std::uint32_t before = base::findings();
-        examine(reading);
+        examine(interpretation);
         is_fit_ = base::findings() == before;
         base::played_.findings = base::findings();
         return is_fit_;
     }
     /// The same for runs of which only few are without a mishap.
-    bool is_fit_for_pairs(unsigned reading) {
-        if (!is_fit(reading)) return false;
+    bool is_fit_for_pairs(unsigned interpretation) {
+        if (!is_fit(interpretation)) return false;
         const std::uint32_t before = base::findings();
-        for (unsigned c = 0; c < base::cases(); ++c) (void)base::play(c, reading, {}, {});
+        for (unsigned c = 0; c < base::cases(); ++c) (void)base::play(c, interpretation, {}, {});
         is_fit_ = base::findings() == before;
         return is_fit_;
     }
 
   private:
-    void examine(unsigned reading) {
-        trial_type t{reading};
-        base::begin(t, reading, {}, {});
+    void examine(unsigned interpretation) {
+        trial_type t{interpretation};
+        base::begin(t, interpretation, {}, {});
         if (!base::take_over(t)) return;
         examine_image(t);
-        if (!Subject::can_be_done(reading, "enable") || !t.run(enable{})) return;
+        if (!Subject::can_be_done(interpretation, "enable") || !t.run(enable{})) return;
         base::now_.command = "restart";
         t.heal();
         Subject::restart(t.machine());
         const bool is_same = t.is_energised();
         t.live(milliseconds(1'500));
-        if (Subject::shows(reading).restart == restart_shows::never) return;
+        if (Subject::shows(interpretation).restart == restart_shows::never) return;
         if (t.drive().state() != drive_state::enabled) return;
         if (is_same) {
             broken("kit", "restart(machine) changes nothing that shows: it does not switch the drive off and "

@@ -45,7 +45,7 @@ struct expected {
     }
 };
 
-/// Nothing that shows from outside: a setting, a reading.
+/// Nothing that shows from outside: a setting, a refresh.
 constexpr expected changes_nothing() { return {}; }
 /// The same, and a restart between two of its requests cannot be seen.
 constexpr expected hides_a_restart() { return {.hides_restart = true}; }

@@ -39,7 +39,7 @@ struct finding {
     const char* promise = ""; ///< its number, as in promises.md
     const char* what = "";    ///< what was seen from outside, a sentence
     const char* command = "";
-    unsigned reading = 0; ///< of the manual
+    unsigned interpretation = 0; ///< of the manual
     planned_mishap first{};
     planned_mishap second{};
     std::span<const traced_frame> trace{}; ///< the last frames, in order

@@ -28,8 +28,8 @@ template <class Subject> class conformance_judge {
     conformance_judge(report to, void* context) : report_{to}, context_{context} {}
 
     /// Another run begins.
-    void begin(trial_type& t, unsigned reading, planned_mishap first, planned_mishap second) {
-        now_ = {.reading = reading, .first = first, .second = second};
+    void begin(trial_type& t, unsigned interpretation, planned_mishap first, planned_mishap second) {
+        now_ = {.interpretation = interpretation, .first = first, .second = second};
         trial_ = &t;
         reported_ = nullptr;
         goal_known_ = false;
@@ -52,7 +52,7 @@ template <class Subject> class conformance_judge {
         constexpr bool is_init = std::is_same_v<Command, init>;
         if constexpr (std::is_same_v<Command, enable>) {
             const bool is_hidden_stop =
-                !Subject::shows(now_.reading).wired_stop && t.has_happened(mishap::stop_input);
+                !Subject::shows(now_.interpretation).wired_stop && t.has_happened(mishap::stop_input);
             const bool is_wrong = !t.was_energised() && !is_hidden_stop;
             if (is_wrong) t.live(milliseconds(200)); // its end does not wait for the next feedback
             if (is_wrong && t.drive().state() == drive_state::enabled && !t.is_energised())
@@ -79,7 +79,7 @@ template <class Subject> class conformance_judge {
         if (does.what == expected::kind::turns) {
             // A motor takes time to turn.
             for (int i = 0; i < 35 && is_undisturbed() && !t.is_turning(); ++i) t.live(milliseconds(10));
-            if (is_undisturbed() && !t.turned() && Subject::can_be_done(now_.reading, now_.command))
+            if (is_undisturbed() && !t.turned() && Subject::can_be_done(now_.interpretation, now_.command))
                 broken("G35", "a motion is reported done, and the motor stands");
         }
     }
@@ -98,7 +98,7 @@ template <class Subject> class conformance_judge {
             // A second mishap may meet what follows the first one.
             if (ms == 450 && !is_undisturbed()) note_requests(t);
         }
-        const what_shows shows = Subject::shows(now_.reading);
+        const what_shows shows = Subject::shows(now_.interpretation);
         const bool is_hidden_stop = !shows.wired_stop && t.has_happened(mishap::stop_input);
         const bool is_foreign = t.has_happened(mishap::foreign_write);
         const bool is_blind = (does.hides_restart && t.has_restarted()) ||
@@ -127,7 +127,7 @@ template <class Subject> class conformance_judge {
                 broken("G15", "a move by a way went farther than its way");
         }
         if (is_undisturbed()) {
-            const bool can_enable = Subject::can_be_done(now_.reading, "enable");
+            const bool can_enable = Subject::can_be_done(now_.interpretation, "enable");
             if (is_enable && can_enable && d.state() != drive_state::enabled)
                 broken("G35", "enable is done on an undisturbed line, and the state is another one");
             if (std::is_same_v<named, disable> && d.state() != drive_state::disabled)
@@ -181,7 +181,7 @@ template <class Subject> class conformance_judge {
             broken("G28", "the drive cannot be taken over again on a sound line");
         if (t.drive().state() == drive_state::faulted) {
             const bool is_reset = static_cast<bool>(t.run(fault_reset{}));
-            if (!is_reset && !Subject::can_be_done(now_.reading, "fault_reset")) {
+            if (!is_reset && !Subject::can_be_done(now_.interpretation, "fault_reset")) {
                 Subject::restart(t.machine());
                 must(t.run(init{}));
             } else if (!is_reset) {
@@ -192,7 +192,7 @@ template <class Subject> class conformance_judge {
         if (!t.run(disable{})) broken("G28", "disable fails on a sound line");
         if (t.is_energised()) broken("G26", "disable is done on a sound line, and the motor is energised");
         const bool is_enabled = static_cast<bool>(t.run(enable{}));
-        if (!Subject::can_be_done(now_.reading, "enable")) {
+        if (!Subject::can_be_done(now_.interpretation, "enable")) {
             if (is_enabled) broken("kit", "enable is done, and the subject says that it cannot be");
             if (t.is_energised())
                 broken("G37", "an enable that cannot be confirmed leaves the motor energised");

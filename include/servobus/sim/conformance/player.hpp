@@ -100,12 +100,12 @@ template <class Subject> class conformance_player : protected conformance_judge<
 
     // --- One run
 
-    unsigned play(unsigned which, unsigned reading, planned_mishap first, planned_mishap second) {
+    unsigned play(unsigned which, unsigned interpretation, planned_mishap first, planned_mishap second) {
         base::requests_ = 0;
         if (base::is_enough()) return 0;
-        if (which == reset_fault && first.what == mishap::none) judge_reset_in_vain(reading);
-        trial_type t{reading};
-        base::begin(t, reading, first, second);
+        if (which == reset_fault && first.what == mishap::none) judge_reset_in_vain(interpretation);
+        trial_type t{interpretation};
+        base::begin(t, interpretation, first, second);
         ++played_.runs;
         if (which == first_own && first.what == mishap::none) judge_unknown(t);
         if (!take_over(t)) {
@@ -222,9 +222,9 @@ template <class Subject> class conformance_player : protected conformance_judge<
         if (t.requests() != 0) broken("G21", "a refused command has sent something");
     }
     // A fault whose cause has not ended: its reset must not be reported done while the feedback shows the fault.
-    void judge_reset_in_vain(unsigned reading) {
-        trial_type t{reading};
-        base::begin(t, reading, {}, {});
+    void judge_reset_in_vain(unsigned interpretation) {
+        trial_type t{interpretation};
+        base::begin(t, interpretation, {}, {});
         now_.command = "fault_reset";
         if (!Subject::take_over(t.drive(), t.machine()) || !t.run(enable{})) return;
         Subject::have_fault(t.machine());
@@ -246,7 +246,7 @@ template <class Subject> class conformance_player : protected conformance_judge<
                 broken("kit", "the command moves the motor, and its effect is of no kind of motion");
         }
     }
-    bool can_be_done(const char* command) const { return Subject::can_be_done(now_.reading, command); }
+    bool can_be_done(const char* command) const { return Subject::can_be_done(now_.interpretation, command); }
     // False if the drive has no such command: what is played from there is left out.
     bool turn(trial_type& t) {
         return with_first(

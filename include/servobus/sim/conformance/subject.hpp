@@ -6,7 +6,7 @@
 //
 //     template <class S> unsigned interpretations() {
 //         static_assert(sim::conformance_subject<S>, "the subject of a drive lacks something");
-//         return S::readings;
+//         return S::interpretations;
 //     }
 #pragma once
 
@@ -33,8 +33,8 @@ concept conformance_subject = requires(typename S::machine& m, const typename S:
                                        detail::any_command_of_a_subject each) {
     { S::address } -> std::convertible_to<std::uint8_t>;
     { S::baud } -> std::convertible_to<std::uint32_t>;
-    { S::readings } -> std::convertible_to<unsigned>;      // interpretations of the manual, at least 1
-    { S::tolerance } -> std::convertible_to<std::int64_t>; // of a place, in its counts
+    { S::interpretations } -> std::convertible_to<unsigned>; // interpretations of the manual, at least 1
+    { S::tolerance } -> std::convertible_to<std::int64_t>;   // of a place, in its counts
     { S::shows(0u) } -> std::same_as<what_shows>;
     // False for a command, by the name in a finding, that cannot be confirmed under an interpretation, and so must fail.
     { S::can_be_done(0u, "") } -> std::same_as<bool>;

@@ -37,10 +37,9 @@ template <class Subject> class trial {
     static constexpr duration command_limit = milliseconds(400);
     static constexpr duration stall = milliseconds(3'000);
 
-    explicit trial(unsigned reading)
-        : machine_{*this, [&] { return Subject::make(reading); }}, station_{machine_, Subject::address,
-                                                                            Subject::baud, milliseconds(1),
-                                                                            modbus::rules_of(machine_)},
+    explicit trial(unsigned interpretation)
+        : machine_{*this, [&] { return Subject::make(interpretation); }},
+          station_{machine_, Subject::address, Subject::baud, milliseconds(1), modbus::rules_of(machine_)},
           wire_{Subject::baud}, on_{wire_, modbus::timing_at(Subject::baud)},
           drive_{on_, Subject::address, supervision{.command_timeout = command_limit}} {
         wire_.attach(station_);

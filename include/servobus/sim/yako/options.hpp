@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// What a test may choose of a simulated YAKOTEC stepper: its set-up, and the readings of the manual V2.6.0
-// where it is silent or can be read in two ways. Each reading names the place in the manual and its erratum
+// What a test may choose of a simulated YAKOTEC stepper: its set-up, and the interpretations of the manual V2.6.0
+// where it is silent or can be read in two ways. Each interpretation names the place in the manual and its erratum
 // in device/errata.md.
 //
 //     servobus::sim::yako_options chosen;

@@ -15,7 +15,7 @@
 
 namespace servobus::sim {
 
-/// What a test may choose of the simulated ZLAC8015D. Each value is a reading of the manual; which one a real
+/// What a test may choose of the simulated ZLAC8015D. Each value is an interpretation of the manual; which one a real
 /// drive follows is unknown.
 struct zlac8015d_options {
     /// What ends a watchdog stop, section 4, 2000h [B34]. True: the next valid request ends it and the wheels

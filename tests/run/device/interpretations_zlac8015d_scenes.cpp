@@ -2,15 +2,15 @@
 // SPDX-License-Identifier: BSL-1.0
 //
 // The scenes of the ZLAC8015D's promises S1 to S3 that drive_zlac8015d_safety.cpp and bus_standstill.cpp play
-// on the default simulated drive, here under each reading of its manual. Also S6 and S7, as far as a command
+// on the default simulated drive, here under each interpretation of its manual. Also S6 and S7, as far as a command
 // can keep them.
 #include <doctest/doctest.h>
 
 #include <tests/support/driven_wheels_and_lift.hpp>
 #include <tests/support/driven_zlac8015d.hpp>
-#include <tests/support/zlac8015d_readings.hpp>
+#include <tests/support/zlac8015d_interpretations.hpp>
 
-namespace readings_zlac8015d_scenes_tests {
+namespace interpretations_zlac8015d_scenes_tests {
 
 using namespace servobus;
 using namespace servobus::units;
@@ -19,7 +19,7 @@ using simulated::are_slow;
 using simulated::is_motion_or_enable;
 using rig = simulated::driven_zlac8015d;
 using simulated::zero_targets;
-using zlac8015d_readings::options;
+using zlac8015d_interpretations::options;
 
 namespace {
 
@@ -59,8 +59,8 @@ void leave_running(rig& r, operating_mode mode) {
 } // namespace
 
 TEST_CASE("S1: in any mode init stops the motion that a crashed program left, and waits for standstill" *
-          doctest::test_suite("readings")) {
-    zlac8015d_readings::under([](const options& of) {
+          doctest::test_suite("interpretations")) {
+    zlac8015d_interpretations::under([](const options& of) {
         std::size_t scenes = 0;
         for (const operating_mode mode : modes) {
             CAPTURE(static_cast<int>(mode));
@@ -84,8 +84,8 @@ TEST_CASE("S1: in any mode init stops the motion that a crashed program left, an
 }
 
 TEST_CASE("S2: before every enable old targets are set to zero and read back, and they move nothing" *
-          doctest::test_suite("readings")) {
-    zlac8015d_readings::under([](const options& of) {
+          doctest::test_suite("interpretations")) {
+    zlac8015d_interpretations::under([](const options& of) {
         std::size_t scenes = 0;
         for (const operating_mode mode : modes) {
             CAPTURE(static_cast<int>(mode));
@@ -113,8 +113,8 @@ TEST_CASE("S2: before every enable old targets are set to zero and read back, an
     });
 }
 
-TEST_CASE("S3: the mode changes only at standstill" * doctest::test_suite("readings")) {
-    zlac8015d_readings::under([](const options& of) {
+TEST_CASE("S3: the mode changes only at standstill" * doctest::test_suite("interpretations")) {
+    zlac8015d_interpretations::under([](const options& of) {
         rig r{of};
         REQUIRE(r.drive.run(init{}));
         REQUIRE(r.drive.run(enable_in{operating_mode::velocity}));
@@ -129,8 +129,8 @@ TEST_CASE("S3: the mode changes only at standstill" * doctest::test_suite("readi
 }
 
 TEST_CASE("S3: a relative move is made at most once, whichever frame is lost" *
-          doctest::test_suite("readings")) {
-    zlac8015d_readings::under([](const options& of) {
+          doctest::test_suite("interpretations")) {
+    zlac8015d_interpretations::under([](const options& of) {
         std::size_t scenes = 0;
         unsigned struck = 0;
         for (std::uint32_t lost = 0; lost < 8; ++lost) {
@@ -163,10 +163,11 @@ TEST_CASE("S3: a relative move is made at most once, whichever frame is lost" *
     });
 }
 
-TEST_CASE("S2: under each reading an old torque target has no effect when the mode of an enabled drive "
-          "changes" *
-          doctest::test_suite("readings")) {
-    zlac8015d_readings::under([](const options& of) {
+TEST_CASE(
+    "S2: under each interpretation an old torque target has no effect when the mode of an enabled drive "
+    "changes" *
+    doctest::test_suite("interpretations")) {
+    zlac8015d_interpretations::under([](const options& of) {
         rig r{of};
         REQUIRE(r.drive.run(init{}));
         if (!r.drive.run(enable_in{operating_mode::torque})) return std::size_t{1};
@@ -191,8 +192,8 @@ TEST_CASE("S2: under each reading an old torque target has no effect when the mo
 }
 
 TEST_CASE("S3: no read of a bus lets wheels go on that the watchdog has stopped" *
-          doctest::test_suite("readings")) {
-    zlac8015d_readings::under([](const options& of) {
+          doctest::test_suite("interpretations")) {
+    zlac8015d_interpretations::under([](const options& of) {
         std::size_t scenes = 0;
         for (unsigned turns = 0; turns < 60; turns += 5) {
             CAPTURE(turns);
@@ -223,8 +224,8 @@ TEST_CASE("S3: no read of a bus lets wheels go on that the watchdog has stopped"
 
 TEST_CASE("S6, S7: a factory reset and a save are refused while the drive is enabled, and nothing is "
           "written" *
-          doctest::test_suite("readings")) {
-    zlac8015d_readings::under([](const options& of) {
+          doctest::test_suite("interpretations")) {
+    zlac8015d_interpretations::under([](const options& of) {
         rig r{of};
         REQUIRE(r.drive.run(init{}));
         REQUIRE(r.drive.run(enable_in{operating_mode::velocity}));
@@ -237,4 +238,4 @@ TEST_CASE("S6, S7: a factory reset and a save are refused while the drive is ena
     });
 }
 
-} // namespace readings_zlac8015d_scenes_tests
+} // namespace interpretations_zlac8015d_scenes_tests

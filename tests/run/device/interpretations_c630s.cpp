@@ -1,24 +1,24 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// The C630S facade's promises of machine safety, on the wire and under the readings of the manual
-// (tests/support/c630s_readings.hpp); and the commands that cannot work under a reading: how they fail, and
+// The C630S facade's promises of machine safety, on the wire and under the interpretations of the manual
+// (tests/support/c630s_interpretations.hpp); and the commands that cannot work under an interpretation: how they fail, and
 // what makes them work.
 #include <doctest/doctest.h>
 
 #include <array>
 #include <cstdint>
 
-#include <tests/support/c630s_readings.hpp>
+#include <tests/support/c630s_interpretations.hpp>
 #include <tests/support/driven_c630s.hpp>
 
-namespace readings_c630s_tests {
+namespace interpretations_c630s_tests {
 
 using namespace servobus;
 using namespace servobus::units;
 using namespace servobus::c630s;
 using rig = simulated::driven_c630s;
-using read_so = c630s_readings::reading;
+using read_so = c630s_interpretations::interpretation;
 
 namespace {
 
@@ -57,16 +57,16 @@ bool enables(rig& r, const sim::c630s_options& how, control_mode mode) {
 
 constexpr control_mode modes[] = {control_mode::speed, control_mode::torque, control_mode::position};
 
-/// In the whole product each reading takes part in one of the four tests.
+/// In the whole product each interpretation takes part in one of the four tests.
 bool is_left_out(const read_so& how, unsigned test) {
     return how.share_of_rows > 1 && how.number % 4 != test;
 }
 
 } // namespace
 
-TEST_CASE("S1: under each reading init stops the motion that a crashed program left, and starts none" *
-          doctest::test_suite("readings")) {
-    c630s_readings::under([](const read_so& how) -> std::size_t {
+TEST_CASE("S1: under each interpretation init stops the motion that a crashed program left, and starts none" *
+          doctest::test_suite("interpretations")) {
+    c630s_interpretations::under([](const read_so& how) -> std::size_t {
         if (is_left_out(how, 0)) return 0;
         const control_mode mode = modes[how.number % 3];
         rig r{how.options};
@@ -97,9 +97,10 @@ TEST_CASE("S1: under each reading init stops the motion that a crashed program l
     });
 }
 
-TEST_CASE("S2: under each reading an enable starts nothing that the EEPROM or another program has set" *
-          doctest::test_suite("readings")) {
-    c630s_readings::under([](const read_so& how) -> std::size_t {
+TEST_CASE(
+    "S2: under each interpretation an enable starts nothing that the EEPROM or another program has set" *
+    doctest::test_suite("interpretations")) {
+    c630s_interpretations::under([](const read_so& how) -> std::size_t {
         if (is_left_out(how, 1)) return 0;
         rig r{how.options};
         REQUIRE(make_ready(r, how.options));
@@ -134,9 +135,9 @@ TEST_CASE("S2: under each reading an enable starts nothing that the EEPROM or an
     });
 }
 
-TEST_CASE("S5: under each reading a restart is detected and does not energise the motor" *
-          doctest::test_suite("readings")) {
-    c630s_readings::under([](const read_so& how) -> std::size_t {
+TEST_CASE("S5: under each interpretation a restart is detected and does not energise the motor" *
+          doctest::test_suite("interpretations")) {
+    c630s_interpretations::under([](const read_so& how) -> std::size_t {
         if (is_left_out(how, 2)) return 0;
         const control_mode mode = modes[how.number % 3];
         rig r{how.options};
@@ -172,10 +173,11 @@ TEST_CASE("S5: under each reading a restart is detected and does not energise th
     });
 }
 
-TEST_CASE("S5, S6: under each reading a fault reset leaves the servo off, and no 32-bit value is sent in a "
-          "stale word order" *
-          doctest::test_suite("readings")) {
-    c630s_readings::under([](const read_so& how) -> std::size_t {
+TEST_CASE(
+    "S5, S6: under each interpretation a fault reset leaves the servo off, and no 32-bit value is sent in a "
+    "stale word order" *
+    doctest::test_suite("interpretations")) {
+    c630s_interpretations::under([](const read_so& how) -> std::size_t {
         if (is_left_out(how, 3)) return 0;
         rig r{how.options};
         REQUIRE(make_ready(r, how.options));
@@ -205,7 +207,7 @@ TEST_CASE("S5, S6: under each reading a fault reset leaves the servo off, and no
     });
 }
 
-// Commands that cannot work under a reading
+// Commands that cannot work under an interpretation
 
 TEST_CASE("C77: if the drive needs a wired brake output and has none, an enable is not confirmed and the "
           "power is switched off") {
@@ -329,4 +331,4 @@ TEST_CASE("C83, C23: a jog or a start that the drive interprets differently move
     CHECK(r.model.stands_still());
 }
 
-} // namespace readings_c630s_tests
+} // namespace interpretations_c630s_tests

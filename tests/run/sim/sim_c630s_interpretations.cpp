@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Readings of the C630S manual to which the simulated drive can be switched: restarts, commands that keep
+// Interpretations of the C630S manual to which the simulated drive can be switched: restarts, commands that keep
 // their value, the start of segments. Each is compared with its comment in sim/c630s/options.hpp.
 #include <doctest/doctest.h>
 
@@ -11,7 +11,7 @@
 
 #include <tests/support/c630s_bench.hpp>
 
-namespace sim_c630s_readings_tests {
+namespace sim_c630s_interpretations_tests {
 
 using namespace servobus;
 using namespace c630s_bench;
@@ -114,7 +114,7 @@ TEST_CASE("C80: a restart discards a homing command that the EEPROM keeps, or ca
     }
 }
 
-TEST_CASE("C23: FunIN.28 on a level starts segments in both readings, on an edge only in one") {
+TEST_CASE("C23: FunIN.28 on a level starts segments in both interpretations, on an edge only in one") {
     for (const bool needs_level : {false, true}) {
         for (const bool is_edge : {false, true}) {
             CAPTURE(needs_level);
@@ -138,4 +138,4 @@ TEST_CASE("C23: FunIN.28 on a level starts segments in both readings, on an edge
     }
 }
 
-} // namespace sim_c630s_readings_tests
+} // namespace sim_c630s_interpretations_tests

@@ -4,13 +4,14 @@
 // The choices under which the safety tests run contain every pair of positions.
 #include <doctest/doctest.h>
 
-#include <tests/support/readings.hpp>
+#include <tests/support/interpretations.hpp>
 
-namespace readings_tests {
+namespace interpretations_tests {
 
-TEST_CASE("readings: every pair of positions of two switches occurs, in fewer choices than the product") {
+TEST_CASE(
+    "interpretations: every pair of positions of two switches occurs, in fewer choices than the product") {
     const std::vector<unsigned> sizes{2, 3, 2, 4, 2, 2};
-    const auto choices = readings::all_pairs(sizes);
+    const auto choices = interpretations::all_pairs(sizes);
     for (std::size_t a = 0; a < sizes.size(); ++a) {
         for (std::size_t b = 0; b < sizes.size(); ++b) {
             for (unsigned x = 0; x < sizes[a]; ++x) {
@@ -24,9 +25,9 @@ TEST_CASE("readings: every pair of positions of two switches occurs, in fewer ch
             }
         }
     }
-    CHECK(readings::whole_product(sizes).size() == 2u * 3 * 2 * 4 * 2 * 2);
+    CHECK(interpretations::whole_product(sizes).size() == 2u * 3 * 2 * 4 * 2 * 2);
     CHECK(choices.size() < 20);
-    CHECK(choices.front() == readings::choice(sizes.size(), 0));
+    CHECK(choices.front() == interpretations::choice(sizes.size(), 0));
 }
 
-} // namespace readings_tests
+} // namespace interpretations_tests

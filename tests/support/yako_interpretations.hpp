@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// The readings of the YAKOTEC manual as choices of switches, and how safety scenes are played under them.
+// The interpretations of the YAKOTEC manual as choices of switches, and how safety scenes are played under them.
 #pragma once
 
 #include <cstddef>
@@ -12,11 +12,11 @@
 
 #include <servobus/sim/yako/options.hpp>
 
-#include "under_readings.hpp"
+#include "under_interpretations.hpp"
 
-namespace readings {
+namespace interpretations {
 
-/// The number of positions of each switch of `yako_options_of`. Five readings have tests of their own, since
+/// The number of positions of each switch of `yako_options_of`. Five interpretations have tests of their own, since
 /// no other scene would reach them: `answers_bad_crc` needs a corrupted request, `rescales_feedback_only` 0.1
 /// r/min, `commands_read_back` a read of 0027h or 002Dh, `restores_eeprom` two restarts and
 /// `moves_address_immediately` a drive whose switches are off.
@@ -45,11 +45,11 @@ inline servobus::sim::yako_options yako_options_of(const choice& c) {
 /// whole product (`is_whole`) a test with one scene for each frame plays only part of the scenes under each
 /// choice.
 template <class Scenes> void under_yako(const Scenes& scenes) {
-    const char* wanted = std::getenv("SERVOBUS_READINGS");
+    const char* wanted = std::getenv("SERVOBUS_INTERPRETATIONS");
     const bool is_whole = wanted != nullptr && std::string_view{wanted} == "whole";
     std::size_t number = 0;
     under("yako", yako_switches,
           [&](const choice& c) -> std::size_t { return scenes(yako_options_of(c), number++, is_whole); });
 }
 
-} // namespace readings
+} // namespace interpretations

@@ -1,16 +1,16 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// The ZLAC8015D facade where the manual states nothing or can be read in two ways: under each reading each
+// The ZLAC8015D facade where the manual states nothing or can be read in two ways: under each interpretation each
 // promise of machine safety holds, or a command fails and leaves the drive stopped. The tests check the
 // frames on the wire and the simulated machine. The crash and the restart at every frame are in
 // safety_zlac8015d.cpp.
 #include <doctest/doctest.h>
 
 #include <tests/support/driven_zlac8015d.hpp>
-#include <tests/support/zlac8015d_readings.hpp>
+#include <tests/support/zlac8015d_interpretations.hpp>
 
-namespace readings_zlac8015d_tests {
+namespace interpretations_zlac8015d_tests {
 
 using namespace servobus;
 using namespace servobus::units;
@@ -18,7 +18,7 @@ using namespace servobus::zlac8015d;
 using simulated::are_slow;
 using rig = simulated::driven_zlac8015d;
 using simulated::zero_targets;
-using zlac8015d_readings::options;
+using zlac8015d_interpretations::options;
 
 namespace {
 
@@ -44,8 +44,8 @@ void run_at_speed(rig& r) {
 } // namespace
 
 TEST_CASE("S2: an enable is confirmed, or the drive is stopped and the command reports it" *
-          doctest::test_suite("readings")) {
-    zlac8015d_readings::under([](const options& of) {
+          doctest::test_suite("interpretations")) {
+    zlac8015d_interpretations::under([](const options& of) {
         std::size_t scenes = 0;
         for (const operating_mode mode :
              {operating_mode::velocity, operating_mode::torque, operating_mode::relative_position,
@@ -71,8 +71,8 @@ TEST_CASE("S2: an enable is confirmed, or the drive is stopped and the command r
 }
 
 TEST_CASE("S3: a turning drive is not mistaken for a restarted one, and a restart is detected" *
-          doctest::test_suite("readings")) {
-    zlac8015d_readings::under([](const options& of) {
+          doctest::test_suite("interpretations")) {
+    zlac8015d_interpretations::under([](const options& of) {
         std::size_t scenes = 0;
         for (const bool locks : {false, true}) {
             CAPTURE(locks);
@@ -96,8 +96,8 @@ TEST_CASE("S3: a turning drive is not mistaken for a restarted one, and a restar
 
 TEST_CASE("a save first writes mode 0, so that the mode shows a restart; it is refused while the drive is "
           "enabled" *
-          doctest::test_suite("readings")) {
-    zlac8015d_readings::under([](const options& of) {
+          doctest::test_suite("interpretations")) {
+    zlac8015d_interpretations::under([](const options& of) {
         rig r{of};
         run_at_speed(r);
         const std::size_t frames = r.log.frames.size();
@@ -125,8 +125,9 @@ TEST_CASE("a save first writes mode 0, so that the mode shows a restart; it is r
     });
 }
 
-TEST_CASE("S3: after a fault of one wheel the next read stops both" * doctest::test_suite("readings")) {
-    zlac8015d_readings::under([](const options& of) {
+TEST_CASE("S3: after a fault of one wheel the next read stops both" *
+          doctest::test_suite("interpretations")) {
+    zlac8015d_interpretations::under([](const options& of) {
         std::size_t scenes = 0;
         for (const bool is_left : {false, true}) {
             CAPTURE(is_left);
@@ -154,8 +155,8 @@ TEST_CASE("S3: after a fault of one wheel the next read stops both" * doctest::t
 }
 
 TEST_CASE("S3: after a long pause the first frame stops the drive, and nothing moves until an enable" *
-          doctest::test_suite("readings")) {
-    zlac8015d_readings::under([](const options& of) {
+          doctest::test_suite("interpretations")) {
+    zlac8015d_interpretations::under([](const options& of) {
         std::size_t scenes = 0;
         for (const bool halts : {false, true}) {
             rig r{of};
@@ -179,8 +180,8 @@ TEST_CASE("S3: after a long pause the first frame stops the drive, and nothing m
 
 TEST_CASE(
     "S3: a watchdog time of 0 in the drive is cached and never written; motion is bounded or does not occur" *
-    doctest::test_suite("readings")) {
-    zlac8015d_readings::under([](const options& of) {
+    doctest::test_suite("interpretations")) {
+    zlac8015d_interpretations::under([](const options& of) {
         rig r{of};
         r.set_by_hand(0x2000, 0);
         const auto before = r.model.writes_to(0x2000);
@@ -208,4 +209,4 @@ TEST_CASE(
     });
 }
 
-} // namespace readings_zlac8015d_tests
+} // namespace interpretations_zlac8015d_tests

@@ -3,7 +3,7 @@
 //
 // Where a manual states nothing, or can be read in two ways, the simulated drive has a switch. A safety test
 // runs under these switches: under every position alone and every pair of positions; under the whole product
-// if SERVOBUS_READINGS=whole is set; under the default positions only if SERVOBUS_READINGS=default.
+// if SERVOBUS_INTERPRETATIONS=whole is set; under the default positions only if SERVOBUS_INTERPRETATIONS=default.
 #pragma once
 
 #include <cstddef>
@@ -12,7 +12,7 @@
 #include <string_view>
 #include <vector>
 
-namespace readings {
+namespace interpretations {
 
 /// The position of each switch, from 0.
 using choice = std::vector<unsigned>;
@@ -103,7 +103,7 @@ inline std::vector<choice> whole_product(const std::vector<unsigned>& sizes) {
 
 /// The choices under which a safety test runs.
 inline std::vector<choice> chosen(const std::vector<unsigned>& sizes) {
-    const char* wanted = std::getenv("SERVOBUS_READINGS");
+    const char* wanted = std::getenv("SERVOBUS_INTERPRETATIONS");
     const std::string_view how = wanted == nullptr ? "" : wanted;
     if (how == "default") return {choice(sizes.size(), 0)};
     return how == "whole" ? whole_product(sizes) : all_pairs(sizes);
@@ -116,4 +116,4 @@ inline std::string name(const choice& c) {
     return all;
 }
 
-} // namespace readings
+} // namespace interpretations

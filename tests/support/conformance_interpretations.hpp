@@ -9,24 +9,24 @@
 
 #include <servobus/sim/yako/options.hpp>
 
-#include <tests/support/c630s_readings.hpp>
-#include <tests/support/readings.hpp>
-#include <tests/support/yako_readings.hpp>
-#include <tests/support/zlac8015d_readings.hpp>
+#include <tests/support/c630s_interpretations.hpp>
+#include <tests/support/interpretations.hpp>
+#include <tests/support/yako_interpretations.hpp>
+#include <tests/support/zlac8015d_interpretations.hpp>
 
 namespace subjects {
 
-using readings::choice;
+using ::interpretations::choice;
 
 /// `Manual` has the switches of a simulated drive and how many interpretations follow from them: each alone, and all.
 template <class Manual> struct interpretations {
     static constexpr unsigned count =
         Manual::alone; // for the runs that the judges themselves spread over all
     static const std::vector<choice>& choices() {
-        static const std::vector<choice> found = readings::all_pairs(Manual::switches());
+        static const std::vector<choice> found = ::interpretations::all_pairs(Manual::switches());
         return found;
     }
-    static auto options(unsigned reading) { return Manual::options_of(choices()[reading]); }
+    static auto options(unsigned interpretation) { return Manual::options_of(choices()[interpretation]); }
     static unsigned alone() {
         unsigned sum = 1;
         for (const unsigned positions : Manual::switches()) sum += positions - 1;
@@ -36,8 +36,8 @@ template <class Manual> struct interpretations {
 
 struct zlac8015d_manual {
     static constexpr unsigned alone = 12;
-    static std::vector<unsigned> switches() { return zlac8015d_readings::sizes; }
-    static auto options_of(const choice& c) { return zlac8015d_readings::options_of(c); }
+    static std::vector<unsigned> switches() { return zlac8015d_interpretations::sizes; }
+    static auto options_of(const choice& c) { return zlac8015d_interpretations::options_of(c); }
 };
 
 struct yako_manual {
@@ -45,13 +45,13 @@ struct yako_manual {
     /// Those of the safety scenes, and three that requests of the judges reach: a damaged request, a read of a command
     /// register, and a restart after a restored EEPROM.
     static std::vector<unsigned> switches() {
-        std::vector<unsigned> all = readings::yako_switches;
+        std::vector<unsigned> all = ::interpretations::yako_switches;
         all.insert(all.end(), 3, 2u);
         return all;
     }
     static auto options_of(const choice& c) {
-        servobus::sim::yako_options o = readings::yako_options_of(c);
-        const std::size_t own = readings::yako_switches.size();
+        servobus::sim::yako_options o = ::interpretations::yako_options_of(c);
+        const std::size_t own = ::interpretations::yako_switches.size();
         o.answers_bad_crc = c[own] != 0;
         o.commands_read_back = c[own + 1] != 0;
         o.rescales_feedback_only = c[own + 2] != 0;
@@ -61,8 +61,8 @@ struct yako_manual {
 
 struct c630s_manual {
     static constexpr unsigned alone = 23;
-    static std::vector<unsigned> switches() { return c630s_readings::switches(); }
-    static auto options_of(const choice& c) { return c630s_readings::options_of(c); }
+    static std::vector<unsigned> switches() { return c630s_interpretations::switches(); }
+    static auto options_of(const choice& c) { return c630s_interpretations::options_of(c); }
 };
 
 } // namespace subjects

@@ -1,14 +1,14 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// The readings of the YAKOTEC manual to which the simulated steppers can be switched. Each is compared with
+// The interpretations of the YAKOTEC manual to which the simulated steppers can be switched. Each is compared with
 // its comment in sim/yako/options.hpp.
 #include <doctest/doctest.h>
 
 #include <tests/support/simulated_yako.hpp>
 #include <tests/support/yako_bench.hpp>
 
-namespace sim_yako_readings_tests {
+namespace sim_yako_interpretations_tests {
 
 using namespace servobus;
 using namespace yako_bench;
@@ -129,17 +129,17 @@ TEST_CASE_TEMPLATE("A54: in position is set at standstill, until a command, afte
 TEST_CASE_TEMPLATE("A54: the homed bit is set until a homing begins, until the position is lost, or "
                    "always",
                    B, BOTH) {
-    for (const yako_homed reading :
+    for (const yako_homed interpretation :
          {yako_homed::until_homing, yako_homed::until_place_lost, yako_homed::always}) {
-        CAPTURE(static_cast<int>(reading));
-        const bool is_lost = reading == yako_homed::until_place_lost;
+        CAPTURE(static_cast<int>(interpretation));
+        const bool is_lost = interpretation == yako_homed::until_place_lost;
         for (const auxiliary what : {auxiliary::release, auxiliary::clear_position}) {
-            B b{{.homed = reading}};
+            B b{{.homed = interpretation}};
             declare(b, 10);
             b.command(what);
             CHECK(b.status().is_homed() != is_lost);
         }
-        B b{{.homed = reading}};
+        B b{{.homed = interpretation}};
         declare(b, 10);
         b.command(motion_code::emergency_stop());
         CHECK(b.status().is_homed() != is_lost);
@@ -148,10 +148,10 @@ TEST_CASE_TEMPLATE("A54: the homed bit is set until a homing begins, until the p
         b.command(motion_code::home());
         b.run(50);
         CHECK(b.status().is_moving());
-        CHECK(b.status().is_homed() == (reading == yako_homed::always));
+        CHECK(b.status().is_homed() == (interpretation == yako_homed::always));
         b.command(motion_code::stop());
         b.run_until_still();
-        CHECK(b.status().is_homed() == (reading == yako_homed::always));
+        CHECK(b.status().is_homed() == (interpretation == yako_homed::always));
     }
 }
 
@@ -172,18 +172,19 @@ TEST_CASE_TEMPLATE("A54: the homed bit is set before or after the offset move", 
 TEST_CASE_TEMPLATE("A57: an alarm releases the motor until an enable or until it is cleared, or the motor "
                    "holds",
                    B, BOTH) {
-    for (const yako_alarm reading : {yako_alarm::releases, yako_alarm::clearing_enables, yako_alarm::holds}) {
-        CAPTURE(static_cast<int>(reading));
+    for (const yako_alarm interpretation :
+         {yako_alarm::releases, yako_alarm::clearing_enables, yako_alarm::holds}) {
+        CAPTURE(static_cast<int>(interpretation));
         for (const bool was_enabled : {false, true}) {
-            B b{{.alarm = reading}};
+            B b{{.alarm = interpretation}};
             if (!was_enabled) b.command(auxiliary::release);
             if (was_enabled) b.command(motion_code::jog());
             b.run(100);
             b.drive.raise_alarm(3);
             b.run(20);
             CHECK(b.get(cl::error_code) == 3);
-            CHECK(b.drive.enabled() == (was_enabled && reading == yako_alarm::holds));
-            if (reading == yako_alarm::holds) CHECK_FALSE(b.status().is_moving());
+            CHECK(b.drive.enabled() == (was_enabled && interpretation == yako_alarm::holds));
+            if (interpretation == yako_alarm::holds) CHECK_FALSE(b.status().is_moving());
             const std::uint32_t starts = b.drive.starts();
             b.command(auxiliary::clear_alarm); // its cause is still present
             b.command(auxiliary::enable);
@@ -192,7 +193,7 @@ TEST_CASE_TEMPLATE("A57: an alarm releases the motor until an enable or until it
             b.drive.end_alarm();
             b.command(auxiliary::clear_alarm);
             CHECK(b.get(cl::error_code) == 0);
-            CHECK(b.drive.enabled() == (was_enabled && reading != yako_alarm::releases));
+            CHECK(b.drive.enabled() == (was_enabled && interpretation != yako_alarm::releases));
         }
     }
 }
@@ -335,4 +336,4 @@ TEST_CASE_TEMPLATE("A60: while the switches are off, 0013h takes effect at the n
     }
 }
 
-} // namespace sim_yako_readings_tests
+} // namespace sim_yako_interpretations_tests

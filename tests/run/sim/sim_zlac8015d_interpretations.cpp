@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Readings of the ZLAC8015D manual to which the simulated drive can be switched: what the running bits say of
+// Interpretations of the ZLAC8015D manual to which the simulated drive can be switched: what the running bits say of
 // wheels without power, and which wheel a fault switches off. Each is compared with its comment in
 // sim/zlac8015d/options.hpp.
 #include <doctest/doctest.h>
@@ -10,7 +10,7 @@
 
 #include <tests/support/zlac8015d_bench.hpp>
 
-namespace sim_zlac8015d_readings_tests {
+namespace sim_zlac8015d_interpretations_tests {
 
 using namespace servobus;
 using namespace zlac8015d_bench;
@@ -19,10 +19,10 @@ using switches = sim::zlac8015d_options;
 TEST_CASE(
     "B31: after a stop input that releases the shafts the running bits are set while the wheels roll, or "
     "they are 0 without power") {
-    for (const auto reading :
+    for (const auto interpretation :
          {switches::running::turns, switches::running::driven, switches::running::enabled}) {
-        CAPTURE(static_cast<int>(reading));
-        bench b{{.bit = reading}};
+        CAPTURE(static_cast<int>(interpretation));
+        bench b{{.bit = interpretation}};
         b.set(map::input_stop, 1);
         b.set(map::quick_stop_option_code, 7); // immediate
         b.begin(operating_mode::velocity);
@@ -34,7 +34,7 @@ TEST_CASE(
         b.run(5);
         CHECK(b.get(map::left_actual_speed) > 900); // 0.1 r/min
         CHECK(b.get(map::right_actual_speed) > 900);
-        const bool is_set = reading == switches::running::turns;
+        const bool is_set = interpretation == switches::running::turns;
         CHECK(b.status().left.is_running == is_set);
         CHECK(b.status().right.is_running == is_set);
         b.run(5000);
@@ -106,4 +106,4 @@ TEST_CASE("B33: if a fault switches only its wheel off, faults of both wheels di
     }
 }
 
-} // namespace sim_zlac8015d_readings_tests
+} // namespace sim_zlac8015d_interpretations_tests

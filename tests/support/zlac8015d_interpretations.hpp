@@ -8,15 +8,15 @@
 #include <vector>
 
 #include <servobus/sim/zlac8015d.hpp>
-#include <tests/support/under_readings.hpp>
+#include <tests/support/under_interpretations.hpp>
 
-namespace zlac8015d_readings {
+namespace zlac8015d_interpretations {
 
 using options = servobus::sim::zlac8015d_options;
 
 inline const std::vector<unsigned> sizes{2, 2, 2, 2, 2, 2, 3, 2, 2, 2};
 
-inline options options_of(const readings::choice& c) {
+inline options options_of(const interpretations::choice& c) {
     return {.resumes_after_watchdog = c[0] == 0,
             .save = static_cast<options::kept>(c[1]),
             .host_timeout = static_cast<options::zero>(c[2]),
@@ -31,7 +31,8 @@ inline options options_of(const readings::choice& c) {
 
 /// Plays `scenes(options)` under each choice of the drive's switches; it returns how many scenes it played.
 template <class Scenes> void under(const Scenes& scenes) {
-    readings::under("zlac8015d", sizes, [&](const readings::choice& c) { return scenes(options_of(c)); });
+    interpretations::under("zlac8015d", sizes,
+                           [&](const interpretations::choice& c) { return scenes(options_of(c)); });
 }
 
-} // namespace zlac8015d_readings
+} // namespace zlac8015d_interpretations

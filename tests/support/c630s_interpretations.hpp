@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// The readings of the C630S's manual under which its safety tests run: the switches of the simulated drive.
-// The whole product (SERVOBUS_READINGS=whole) is formed of the switches on which a promise may depend. The
+// The interpretations of the C630S's manual under which its safety tests run: the switches of the simulated drive.
+// The whole product (SERVOBUS_INTERPRETATIONS=whole) is formed of the switches on which a promise may depend. The
 // switches that concern the wire, a unit of measure or a wired terminal change with each choice, so that each
 // of their positions is combined with many choices of the product.
 #pragma once
@@ -17,14 +17,14 @@
 #include <vector>
 
 #include <servobus/sim/c630s.hpp>
-#include <tests/support/readings.hpp>
+#include <tests/support/interpretations.hpp>
 
-namespace c630s_readings {
+namespace c630s_interpretations {
 
-using ::readings::choice;
+using ::interpretations::choice;
 
-/// One reading of the manual, and its number. Number 0 is the simulator's default.
-struct reading {
+/// One interpretation of the manual, and its number. Number 0 is the simulator's default.
+struct interpretation {
     servobus::sim::c630s_options options{};
     std::size_t number = 0;
     choice positions{};
@@ -33,14 +33,14 @@ struct reading {
     std::size_t share_of_rows = 1;
     bool is_of_whole_product = false;
 
-    /// For tests that inject a fault at each frame of each command. The default reading, and readings that
-    /// differ from it in one switch, take every frame. Any other reading takes a share of the frames, and the
-    /// share differs from reading to reading.
+    /// For tests that inject a fault at each frame of each command. The default interpretation, and interpretations that
+    /// differ from it in one switch, take every frame. Any other interpretation takes a share of the frames, and the
+    /// share differs from interpretation to interpretation.
     bool takes(std::size_t frame) const { return is_near_default() || (frame + number) % share == 0; }
     bool takes_row(std::size_t row) const { return is_near_default() || (row + number) % share_of_rows == 0; }
 
   private:
-    bool is_near_default() const { return ::readings::switched(positions) <= 1; }
+    bool is_near_default() const { return ::interpretations::switched(positions) <= 1; }
 };
 
 namespace detail {
@@ -78,10 +78,11 @@ inline servobus::sim::c630s_options options_of(const choice& c) {
 
 namespace detail {
 inline std::vector<choice> choices_of_run() {
-    const char* wanted = std::getenv("SERVOBUS_READINGS");
-    if (wanted == nullptr || std::string_view{wanted} != "whole") return ::readings::chosen(switches());
-    std::vector<choice> product = ::readings::whole_product(sizes);
-    const std::vector<choice> others = ::readings::whole_product(other_sizes);
+    const char* wanted = std::getenv("SERVOBUS_INTERPRETATIONS");
+    if (wanted == nullptr || std::string_view{wanted} != "whole")
+        return ::interpretations::chosen(switches());
+    std::vector<choice> product = ::interpretations::whole_product(sizes);
+    const std::vector<choice> others = ::interpretations::whole_product(other_sizes);
     for (std::size_t i = 0; i < product.size(); ++i) {
         const choice& other = others[(i * 7) % others.size()];
         product[i].insert(product[i].end(), other.begin(), other.end());
@@ -90,10 +91,10 @@ inline std::vector<choice> choices_of_run() {
 }
 } // namespace detail
 
-/// All readings, the default first.
-inline const std::vector<reading>& all() {
-    static const std::vector<reading> found_once = [] {
-        std::vector<reading> found;
+/// All interpretations, the default first.
+inline const std::vector<interpretation>& all() {
+    static const std::vector<interpretation> found_once = [] {
+        std::vector<interpretation> found;
         const std::vector<choice> choices = detail::choices_of_run();
         const bool is_whole = choices.size() > 1000;
         for (const choice& c : choices)
@@ -103,19 +104,19 @@ inline const std::vector<reading>& all() {
     return found_once;
 }
 
-/// Plays `scenes(reading)` under each reading; it returns how many scenes it played. For tests of the suite
-/// "readings". If SERVOBUS_READINGS is set, prints the number of choices and scenes.
+/// Plays `scenes(interpretation)` under each interpretation; it returns how many scenes it played. For tests of the suite
+/// "interpretations". If SERVOBUS_INTERPRETATIONS is set, prints the number of choices and scenes.
 template <class Scenes> void under(const Scenes& scenes) {
     std::size_t played = 0;
-    for (const reading& r : all()) {
-        const std::string positions = ::readings::name(r.positions);
+    for (const interpretation& r : all()) {
+        const std::string positions = ::interpretations::name(r.positions);
         CAPTURE(positions);
         played += scenes(r);
     }
     CHECK(played >= all().size() / 16);
-    if (std::getenv("SERVOBUS_READINGS") != nullptr)
-        std::printf("readings: c630s: %zu choices, %zu scenes: %s\n", all().size(), played,
+    if (std::getenv("SERVOBUS_INTERPRETATIONS") != nullptr)
+        std::printf("interpretations: c630s: %zu choices, %zu scenes: %s\n", all().size(), played,
                     doctest::getContextOptions()->currentTest->m_name);
 }
 
-} // namespace c630s_readings
+} // namespace c630s_interpretations

@@ -1,11 +1,11 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Runs a safety test under the switches of its simulated drive. Such a test is in the test suite "readings",
-// so that the tests of CTest with the label "readings" have it:
+// Runs a safety test under the switches of its simulated drive. Such a test is in the test suite "interpretations",
+// so that the tests of CTest with the label "interpretations" have it:
 //
-//     TEST_CASE("S1: ..." * doctest::test_suite("readings")) {
-//         readings::under("zlac8015d", sizes, [](const readings::choice& c) {
+//     TEST_CASE("S1: ..." * doctest::test_suite("interpretations")) {
+//         interpretations::under("zlac8015d", sizes, [](const interpretations::choice& c) {
 //             ...              // builds a simulated drive from the choice, plays scenes
 //             return scenes;   // how many
 //         });
@@ -19,11 +19,11 @@
 
 #include <doctest/doctest.h>
 
-#include <tests/support/readings.hpp>
+#include <tests/support/interpretations.hpp>
 
-namespace readings {
+namespace interpretations {
 
-/// Plays `scenes(choice)` under each choice. If SERVOBUS_READINGS is set, prints the number of choices and
+/// Plays `scenes(choice)` under each choice. If SERVOBUS_INTERPRETATIONS is set, prints the number of choices and
 /// scenes.
 template <class Scenes>
 void under(const char* drive, const std::vector<unsigned>& sizes, const Scenes& scenes) {
@@ -36,9 +36,9 @@ void under(const char* drive, const std::vector<unsigned>& sizes, const Scenes& 
         CHECK(n > 0);
         played += n;
     }
-    if (std::getenv("SERVOBUS_READINGS") != nullptr)
-        std::printf("readings: %s: %zu choices, %zu scenes: %s\n", drive, all.size(), played,
+    if (std::getenv("SERVOBUS_INTERPRETATIONS") != nullptr)
+        std::printf("interpretations: %s: %zu choices, %zu scenes: %s\n", drive, all.size(), played,
                     doctest::getContextOptions()->currentTest->m_name);
 }
 
-} // namespace readings
+} // namespace interpretations

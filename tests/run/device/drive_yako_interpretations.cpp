@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Machine safety of the YAKOTEC facades under every reading of the manual (tests/support/yako_readings.hpp):
+// Machine safety of the YAKOTEC facades under every interpretation of the manual (tests/support/yako_interpretations.hpp):
 // under each one the promises hold, or the command fails and reports it. The tests check the simulated shaft.
 #include <iterator>
 #include <string>
@@ -11,9 +11,9 @@
 #include <servobus/client/change_address.hpp>
 
 #include <tests/support/driven_yako.hpp>
-#include <tests/support/yako_readings.hpp>
+#include <tests/support/yako_interpretations.hpp>
 
-namespace drive_yako_readings_tests {
+namespace drive_yako_interpretations_tests {
 
 using namespace servobus;
 using namespace servobus::units;
@@ -390,11 +390,12 @@ constexpr scenario<A> scenarios[] = {
 
 } // namespace
 
-TEST_CASE_TEMPLATE("S1, S4, S6: an axis is safe, or the command reports that it is not, under every reading "
-                   "of its manual" *
-                       doctest::test_suite("readings"),
-                   A, closed_axis, open_axis) {
-    ::readings::under_yako([](const drive_options& by, std::size_t number, bool is_whole) {
+TEST_CASE_TEMPLATE(
+    "S1, S4, S6: an axis is safe, or the command reports that it is not, under every interpretation "
+    "of its manual" *
+        doctest::test_suite("interpretations"),
+    A, closed_axis, open_axis) {
+    ::interpretations::under_yako([](const drive_options& by, std::size_t number, bool is_whole) {
         std::size_t played = 0;
         for (std::size_t i = 0; i < std::size(scenarios<A>); ++i) {
             if (is_whole && i != number % std::size(scenarios<A>)) continue;
@@ -499,4 +500,4 @@ TEST_CASE_TEMPLATE(
     }
 }
 
-} // namespace drive_yako_readings_tests
+} // namespace drive_yako_interpretations_tests
