@@ -206,6 +206,7 @@ class events {
             in_.port().plan(on.now() + on.random.below(on.one_in(2) ? 200'000 : 20'000), [this, by] {
                 in_.state().strikes(strike::clock_back);
                 in_.state().has_jumped_back = true;
+                in_.state().jumped_back_at = in_.state().now();
                 in_.state().hide_pause();
                 in_.port().jump(-by);
             });

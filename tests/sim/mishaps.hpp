@@ -146,6 +146,7 @@ class mishaps {
     void jump(std::uint64_t when, strike what, std::int64_t by) {
         in_.port().plan(when, [this, what, by] {
             in_.state().strikes(what);
+            if (by < 0) in_.state().jumped_back_at = in_.state().now();
             in_.port().jump(by);
         });
     }

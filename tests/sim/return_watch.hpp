@@ -52,6 +52,7 @@ class return_watch {
     /// A request to the drive begins to leave.
     void begins(servobus::bytes frame) {
         is_late_unseen_ = on_->was_stalled_unseen;
+        if (!of_->is_stopped_by_watchdog()) asked_at_ = on_->now();
         if (is_of_command_before_) may_move_ = false;
         check_write(frame);
         if (!of_->place().device().is_off()) return unanswered_.clear();
@@ -85,7 +86,8 @@ class return_watch {
 
     void look_at_motion() {
         if (of_->is_stopped_by_watchdog()) {
-            lose("the stop of its watchdog");
+            // By a clock that has jumped back since the last request the time may not have passed.
+            if (on_->jumped_back_at <= asked_at_) lose("the stop of its watchdog");
             is_stopped_ = true;
             stopped_motion_ = of_->resumed_motion(); // also a motion commanded in the same stall
         }
@@ -161,6 +163,7 @@ class return_watch {
     std::uint64_t stopped_motion_ = 0; ///< the motion before standstill
     std::uint64_t seen_ = 0;           ///< the last execution
     std::uint64_t let_go_at_ = 0;      ///< without the stalls before
+    std::uint64_t asked_at_ = 0;       ///< when the last request before its stop began to leave
     need needs_ = need::nothing;
     bool is_known_to_program_ = false;  ///< why it needs an initialisation
     bool is_under_way_ = false;         ///< a command has not been reported to have ended

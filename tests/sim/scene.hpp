@@ -71,6 +71,7 @@ struct scene {
     std::uint64_t held_until = 0;                  ///< until then the adapter holds received bytes back
     std::uint64_t clock_read_us = 0;               ///< when the program last read its clock
     std::uint64_t stalled_us = 0;                  ///< total time of all stalls
+    std::uint64_t jumped_back_at = 0;              ///< the program's clock; it cannot tell the time before
     /// The program stalled in the step in which the last frame began to leave. A party that read the clock
     /// before the stall, and then let the line send, cannot know of it.
     bool was_stalled_unseen = false;

@@ -48,7 +48,7 @@ class model {
     /// A command's effect is its kind.
     struct own_kinds {
         constexpr command_kind operator[](command_kind k) const { return k; }
-        constexpr bool sets_origin(command_kind) const { return false; }
+        constexpr bool sets_origin(command_kind k) const { return k == command_kind::take_over; }
         constexpr bool has_motion() const { return false; }
         constexpr bool moves(command_kind) const { return false; }
         constexpr bool is_complete() const { return true; }

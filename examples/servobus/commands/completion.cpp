@@ -156,7 +156,7 @@ answer word_of(const command& of, std::span<const std::string> before, std::stri
     if (place == "[REG]") return registers(device_of(before[0]), begun, register_use::show, {});
     if (place.starts_with("REG")) {
         const bool is_write = place.starts_with("REG=VALUE");
-        // Of raw a table, which an address follows.
+        // Raw takes a table, which an address follows.
         const bool is_raw = before[1].substr(0, before[1].find(':')) == "raw";
         if (is_raw) return {.kind = "open", .candidates = raw_tables(is_write)};
         return registers(device_of(before[1]), begun, is_write ? register_use::write : register_use::read,

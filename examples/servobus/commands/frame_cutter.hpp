@@ -191,7 +191,7 @@ class frame_cutter {
         return take(piece::kind::bad_crc, wanted);
     }
 
-    // Of an unknown function only the CRC tells where it ends.
+    // Only the CRC tells where a frame of an unknown function ends.
     piece cut_unknown(servobus::bytes from) {
         for (std::size_t size = min_frame; size <= from.size(); ++size) {
             if (size > max_frame) break;

@@ -34,7 +34,7 @@ class any_port {
   public:
     /// True for a name that begins with a scheme of the network.
     static bool is_network(std::string_view name);
-    /// Of these, true for RTU frames over TCP.
+    /// True for RTU frames over TCP.
     static bool is_tcp(std::string_view name);
 
     /// True for one of these that speaks Modbus TCP.
@@ -61,7 +61,7 @@ class any_port {
     /// a request that is late would still be carried out, and over `tcp://` its response be taken for the next one.
     servobus::errc reconnect();
 
-    /// Of the last failure, for `os::error_text`; 0 if there was none.
+    /// The number of the last failure, for `os::error_text`; 0 if there was none.
     int os_error() const;
 
     /// True for a port without a wire, such as that of a simulator: no baud rate changes what it receives.

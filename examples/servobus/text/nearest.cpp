@@ -85,7 +85,7 @@ std::vector<std::string_view> nearest(std::string_view word, std::span<const std
         if (away <= (is_whole_in_it ? 1 : tolerance(wanted))) {
             found.push_back({0, away, name});
         } else if (is_whole_in_it || has_each_part(own, wanted)) {
-            // Of a speed, left_actual_speed is one, left_speed_kp none.
+            // left_actual_speed is the register of a speed, left_speed_kp is none.
             const bool has_end = parts(own).back() == parts(wanted).back();
             found.push_back({has_end ? 1u : 2u, difference(own.size(), wanted.size()), name});
         }

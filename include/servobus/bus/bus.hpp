@@ -59,25 +59,24 @@ class bus : detail::cyclic_reads<Plan, Line, Drives...> {
         const auto note = [&idle](duration own) { idle = shorter_of(idle, own); };
         // Stops are stepped before another frame begins to leave.
         drives_.each([&](std::size_t, auto& drive) {
-            drive.machine().bound_response(Plan.longest_response());
-            if (drive.machine().wants_stop()) note(drive.step());
+            if (drive.machine().wants_stop()) note(step_of(drive));
         });
         // Frames on the wire are stepped before the line counts as free: the program may have stalled since. Twice: a
         // request that is found to have left only now may have its response already.
         for (int twice = 0; twice < 2; ++twice) {
             drives_.each([&](std::size_t, auto& drive) {
-                if (drive.machine().is_on_the_wire()) note(drive.step());
+                if (drive.machine().is_on_the_wire()) note(step_of(drive));
             });
             if (this->is_read_on_the_wire()) note(this->step_reads());
         }
         const std::size_t oldest = line_->is_free() ? longest_waiting() : nothing;
         if (oldest == others_number) return {}; // the program's own request is stepped next
         drives_.each([&](std::size_t i, auto& drive) {
-            if (i == oldest) note(drive.step());
+            if (i == oldest) note(step_of(drive));
         });
         if (oldest == reads_number) note(this->step_reads());
         drives_.each([&](std::size_t i, auto& drive) {
-            if (i != oldest && !drive.machine().is_on_the_wire()) note(drive.step());
+            if (i != oldest && !drive.machine().is_on_the_wire()) note(step_of(drive));
         });
         if (oldest != reads_number && !this->is_read_on_the_wire()) note(this->step_reads());
         return idle;
@@ -169,6 +168,12 @@ class bus : detail::cyclic_reads<Plan, Line, Drives...> {
 
     // --- The next frame
 
+    // A drive may say that it responds later than the plan counts with: it is not waited for so long.
+    template <class Drive> static constexpr duration step_of(Drive& drive) {
+        const duration idle = drive.step();
+        drive.machine().bound_response(Plan.longest_response());
+        return idle;
+    }
     constexpr std::size_t longest_waiting() {
         std::size_t oldest = nothing;
         std::uint16_t lowest = 0;
@@ -200,7 +205,7 @@ class bus : detail::cyclic_reads<Plan, Line, Drives...> {
             drives_.each([&](std::size_t, auto& drive) {
                 if (!drive.machine().is_on_the_wire()) return;
                 is_any = true;
-                idle = drive.step();
+                idle = step_of(drive);
             });
             if (this->is_read_on_the_wire()) {
                 is_any = true;

@@ -38,6 +38,8 @@ template <class Effect> class command_kinds {
     template <class... Effects> consteval command_kinds of(command_kind kind, Effects... those) const {
         command_kinds all = *this;
         (all.set(kind, those), ...);
+        // A drive that is taken over may be another one, or have restarted.
+        if (kind == command_kind::take_over) (all.mark(those, new_origin), ...);
         return all;
     }
     /// States the effects after which positions are counted from elsewhere: a homing, a position that is cleared. None is

@@ -173,15 +173,19 @@ template <class Model, class Exchange> class drive_machine : public detail::comm
                 known_.held().hold_image(this->response_, exchange_.response());
                 return known_.link().require_check();
             }
+            if (is_fall) known_.note_origin();
             if (is_verified || is_fall) found = verdict::as_expected; // a restart shows nowhere else
         }
-        known_.take_image(words, slot_.is_setting_origin(), now);
+        known_.take_image(words, now);
         known_.set_last_frame(flight::refresh);
         react(found, now);
+        known_.note_image(is_origin_open());
         known_.take_held_block(this->response_);
         run().use_image(known_.image(), image_block<Model>, now);
         if (run().asks_model()) ask_model(now);
     }
+    // Positions may be counted from elsewhere after the next refresh too.
+    constexpr bool is_origin_open() const { return slot_.is_setting_origin() || slot_.is_stopping(); }
     // False during a take-over, which finds out anew what the drive is.
     [[gnu::noinline]] constexpr bool may_ask_witness() const {
         return known_.is_known() && known_.witness(slot_.command()).look != nullptr &&
@@ -199,7 +203,7 @@ template <class Model, class Exchange> class drive_machine : public detail::comm
         }
         std::uint16_t words[steps::longest]; // NOLINT: as many as the block has are filled
         for (std::size_t i = 0; i < Model::blocks[block].words; ++i) words[i] = exchange_.words()[i];
-        if (known_.withholds(block, words, may_ask_witness())) {
+        if (known_.withholds(block, words, began, may_ask_witness())) {
             known_.held().hold_block(this->response_, exchange_.response());
             slower.note_held(began);
         } else {

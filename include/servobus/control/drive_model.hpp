@@ -59,10 +59,10 @@ struct situation {
 struct block_feedback {
     std::uint8_t block;                    ///< its number in the model's `blocks`
     const std::uint16_t* words;            ///< as many as it has registers
-    const std::uint16_t* before = nullptr; ///< of the refresh before it; null if the two cannot be compared
-    duration between{};                    ///< from that to this one
+    const std::uint16_t* before = nullptr; ///< to `has_fallen`: the words of the refresh before it; else null
+    duration between{};                    ///< to `has_fallen`: from that refresh to this one
     instant taken{};                       ///< when its request began to leave: the values are no older
-    std::uint8_t epoch = 0;                ///< another number: positions may be counted from elsewhere since
+    std::uint16_t epoch = 0;               ///< another number: positions may be counted from elsewhere since
 };
 
 /// The end of a command.
@@ -92,6 +92,9 @@ concept answers = requires(Model m, Command& c, const Command& planned, Settings
     { Model::stop_for(stop_priority::halt, read, true) } -> std::same_as<Command>;
     { Model::witness(read, planned) } -> std::same_as<steps::recheck>;
     { Model::watchdog(read) } -> std::same_as<duration>;
+    { Model::kinds[c.then] } -> std::same_as<command_kind>;
+    { Model::kinds.sets_origin(c.then) } -> std::same_as<bool>;
+    { Model::kinds.moves(c.then) } -> std::same_as<bool>;
 };
 } // namespace detail
 
@@ -103,6 +106,7 @@ concept drive_model = requires {
     { Model::stops } -> std::convertible_to<stop_rules>;
     { Model::kinds.is_complete() } -> std::same_as<bool>;
     { Model::blocks[0] } -> std::convertible_to<register_block>;
+    requires Model::blocks.positions() < Model::blocks.size();
 }
 &&detail::answers<Model, typename Model::prepared_command, typename Model::settings>;
 

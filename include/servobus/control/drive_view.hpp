@@ -29,6 +29,8 @@ template <class Model, class Line> class drive_view {
     static_assert(image_block<Model>.words != 0, "the feedback of a model is at least one register");
     static_assert(image_block<Model>.words <= steps::longest,
                   "the feedback of a model is at most 11 registers");
+    static_assert(Model::traits.stops_without_line == (Model::watchdog(Model::unknown) != duration{}),
+                  "a drive that stops without its line has a watchdog, also while its settings are unknown");
     static_assert(drive_model<Model>,
                   "a model has each part of device/README.md, in the form that it has there");
 

@@ -10,11 +10,16 @@
 #include <servobus/core/cxx20.hpp>
 
 #include <cstdint>
+#include <type_traits>
 
 #include <servobus/control/image.hpp>
 #include <servobus/control/steps.hpp>
 
 namespace servobus {
+
+namespace detail {
+template <const auto& Row> struct row_name {};
+} // namespace detail
 
 /// Rows in address order, without a gap, of at most 11 registers.
 template <const auto&... Rows> class image_of {
@@ -25,7 +30,7 @@ template <const auto&... Rows> class image_of {
     /// The word at which the row begins.
     template <const auto& Row>
     static constexpr std::uint8_t place_of = [] {
-        static_assert(((static_cast<const void*>(&Row) == static_cast<const void*>(&Rows)) || ...),
+        static_assert((std::is_same_v<detail::row_name<Row>, detail::row_name<Rows>> || ...),
                       "the row is not one of this block");
         return static_cast<std::uint8_t>(Row.address - block.address);
     }();

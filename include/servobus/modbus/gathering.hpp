@@ -59,7 +59,7 @@ template <class Size, class Lengths = fixed_lengths> class gathering {
     [[gnu::always_inline]] constexpr bool compare(unsigned byte) {
         if (count_ < same_ && byte != request_[count_]) {
             if (count_ == 0) return false;
-            // Of an exception five bytes are of use, and of another function none.
+            // Five bytes of an exception are of use, and none of another function.
             if (count_ == 1) length_ = (byte ^ request_[1]) == exception_flag ? Size{5} : Size{2};
             same_ = count_;
         }

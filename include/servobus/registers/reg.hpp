@@ -212,7 +212,7 @@ inline constexpr table table_of_row<reg_array<Row, N>> = table_of_row<Row>;
 template <const auto& R>
 concept is_in_other_table = table_of_row<std::remove_cvref_t<decltype(R)>>
 != table::holding_registers;
-// Of a row or of an array of rows.
+// The device of a row or of an array of rows.
 template <const auto& R>
 concept has_bits = table_of_row<std::remove_cvref_t<decltype(R)>>
 <= table::discrete_inputs;

@@ -4,13 +4,18 @@
 // Each block of the feedback that has come reaches the drive's model, also during a stop, with its words, when its request
 // began to leave, and an epoch that changes where positions may be counted from elsewhere: after a restart, a lost port, a
 // homing, a position that was cleared, and not otherwise.
+#include <cstddef>
 #include <cstdint>
+#include <cstdlib>
 #include <vector>
 
 #include <doctest/doctest.h>
 
+#include <servobus/device/yako.hpp>
+#include <tests/support/bare_rig.hpp>
 #include <tests/support/driven_c630s.hpp>
 #include <tests/support/driven_zlac8015d.hpp>
+#include <tests/support/simulated_yako.hpp>
 
 namespace noted_blocks_tests {
 
@@ -23,7 +28,7 @@ struct noted {
     std::uint8_t block;
     std::vector<std::uint16_t> words;
     instant taken;
-    std::uint8_t epoch;
+    std::uint16_t epoch;
 };
 /// A drive's model that keeps what it is told.
 template <class Model> struct following : Model {
@@ -51,7 +56,7 @@ struct wheels_rig : simulated::driven_zlac8015d {
             wire.wait(idle.us == 0 ? microseconds(10) : idle);
         }
     }
-    std::uint8_t epoch() const { return wheels_model::told.back().epoch; }
+    std::uint16_t epoch() const { return wheels_model::told.back().epoch; }
     /// The epochs that were seen since the `from`th block, each once.
     static std::size_t epochs_since(std::size_t from) {
         std::size_t n = 1;
@@ -84,6 +89,51 @@ struct servo_rig : simulated::simulated_c630s {
         }
     }
 };
+
+using axis_model = following<yako::model<yako::closed_loop::device>>;
+struct axis_rig : simulated::simulated_closed_loop {
+    struct own_drive : facade<axis_model, line_type> {
+        explicit own_drive(line_type& on)
+            : facade<axis_model, line_type>{on, node<yako::closed_loop::device>{1}, milliseconds(20),
+                                            no_command_timeout} {}
+    };
+    own_drive axis{line};
+
+    /// At 2000 pulses, which count as zero; its home is elsewhere. Responses are late.
+    axis_rig() {
+        axis_model::told.clear();
+        REQUIRE(axis.run(init{}));
+        model.attach(simulated::yako_slide());
+        REQUIRE(axis.run(yako::move_by{2000 * pulse}));
+        loop(3'000'000);
+        REQUIRE(axis.run(yako::clear_position{}));
+        station.set_response_delay(milliseconds(8));
+        loop(100'000);
+    }
+    void loop(std::uint64_t us) {
+        const std::uint64_t end = wire.time_us() + us;
+        while (wire.time_us() < end) {
+            const duration idle = axis.step();
+            wire.wait(idle.us == 0 || idle.us > 100 ? microseconds(100) : idle);
+        }
+    }
+    static std::int32_t place_in(const noted& n) {
+        return from_bits<i32>(join_words(n.words[4], n.words[5], word_order::high_first));
+    }
+};
+
+/// No position of the time after the restart, which begins at zero, has the epoch of before.
+void check_restart(wheels_rig& r, std::uint16_t was) {
+    const std::size_t from = wheels_model::told.size();
+    r.loop(3000);
+    std::size_t at_zero = 0;
+    for (std::size_t i = from; i < wheels_model::told.size(); ++i) {
+        if (wheels_model::told[i].words[5] != 0 || wheels_model::told[i].words[6] > 50) continue;
+        ++at_zero;
+        CHECK(wheels_model::told[i].epoch != was);
+    }
+    CHECK(at_zero != 0);
+}
 
 } // namespace
 
@@ -133,7 +183,8 @@ TEST_CASE("the epoch of positions changes after they were cleared, a restart and
     wheels_rig r;
     REQUIRE(r.wheels.run(init{}));
     r.loop(100);
-    std::uint8_t was = r.epoch();
+    std::uint16_t was = r.epoch();
+    const std::size_t seen = wheels_model::told.size();
     SUBCASE("cleared") {
         const std::size_t from = wheels_model::told.size();
         REQUIRE(r.wheels.run(zlac8015d::clear_position{}));
@@ -144,22 +195,34 @@ TEST_CASE("the epoch of positions changes after they were cleared, a restart and
         r.loop(100);
         CHECK(r.epoch() == was);
     }
-    SUBCASE("a restart") {
+    SUBCASE("a restart that the image shows") {
         REQUIRE(r.wheels.run(enable{}));
+        REQUIRE(r.wheels.run(zlac8015d::velocity{100 * r_per_min, 100 * r_per_min}));
+        r.loop(500);
+        REQUIRE(r.wheels.run(halt{}));
+        r.loop(100);
         r.model.power_cycle();
-        r.loop(1000);
-        REQUIRE(r.wheels.state() == drive_state::needs_init);
-        REQUIRE(r.wheels.run(init{}));
-        r.loop(100);
-        CHECK(r.epoch() != was);
+        check_restart(r, was);
     }
-    SUBCASE("an init") { // before it nothing is known: what happened to the drive is not either
-        r.wire.pass(milliseconds(5000));
-        r.loop(10);
+    SUBCASE("a restart that shows by the position alone, since the drive has no witness") {
+        REQUIRE(r.wheels.run(enable{}));
+        REQUIRE(r.wheels.run(zlac8015d::velocity{100 * r_per_min, 100 * r_per_min}));
+        r.loop(500);
+        REQUIRE(r.wheels.run(disable{}));
+        r.loop(100);
+        was = r.epoch();
+        r.model.power_cycle();
+        check_restart(r, was);
+    }
+    SUBCASE("a lost port") {
+        r.wire.unplug();
+        r.loop(100);
+        r.wire.plug();
+        r.loop(2000);
         REQUIRE(r.wheels.state() == drive_state::needs_init);
         REQUIRE(r.wheels.run(init{}));
-        r.loop(100);
-        CHECK(r.epoch() != was);
+        for (std::size_t i = seen; i < wheels_model::told.size(); ++i)
+            CHECK(wheels_model::told[i].epoch != was);
     }
 }
 
@@ -187,10 +250,10 @@ TEST_CASE("the epoch of positions changes while a servo is homed, and stays afte
     r.loop(300);
     REQUIRE(r.servo.run(c630s::enable_in{c630s::control_mode::position}));
     r.loop(100);
-    const std::uint8_t was = servo_model::told.back().epoch;
+    const std::uint16_t was = servo_model::told.back().epoch;
     REQUIRE(r.servo.run(c630s::home{30 * second}));
     r.loop(100);
-    const std::uint8_t homed = servo_model::told.back().epoch;
+    const std::uint16_t homed = servo_model::told.back().epoch;
     CHECK(homed != was);
     r.loop(500);
     CHECK(servo_model::told.back().epoch == homed);
@@ -199,13 +262,52 @@ TEST_CASE("the epoch of positions changes while a servo is homed, and stays afte
 TEST_CASE("the epoch of positions changes with an init, also if nothing has shown that the drive restarted") {
     servo_rig r{{}};
     REQUIRE(r.servo.run(read_feedback{}));
-    const std::uint8_t was = servo_model::told.back().epoch;
+    const std::uint16_t was = servo_model::told.back().epoch;
     REQUIRE(r.servo.run(read_feedback{}));
     CHECK(servo_model::told.back().epoch == was);
     r.model.power_cycle();
     REQUIRE(r.servo.run(init{}));
     REQUIRE(r.servo.run(read_feedback{}));
     CHECK(servo_model::told.back().epoch != was);
+}
+
+TEST_CASE("a homing that is stopped at its end changes the epoch of positions too, if it has set them") {
+    std::uint64_t took = 0;
+    {
+        axis_rig r;
+        const std::uint64_t begun = r.wire.time_us();
+        REQUIRE(r.axis.run(yako::closed_loop::home{yako::homing::home_24}));
+        took = r.wire.time_us() - begun;
+    }
+    unsigned stopped = 0;
+    for (std::uint64_t at = took - 100'000; at < took; at += 2'500) {
+        CAPTURE(at);
+        axis_rig r;
+        REQUIRE(r.axis.begin(yako::closed_loop::home{yako::homing::home_24}) == errc::ok);
+        r.loop(at);
+        if (r.axis.begin(halt{}) != errc::ok) continue;
+        ++stopped;
+        r.loop(500'000);
+        const std::vector<noted>& all = axis_model::told;
+        for (std::size_t i = 1; i < all.size(); ++i) {
+            if (all[i].epoch != all[i - 1].epoch) continue;
+            const std::int64_t way =
+                std::int64_t{axis_rig::place_in(all[i])} - axis_rig::place_in(all[i - 1]);
+            CHECK(std::llabs(way) <= 500); // the homing is slower
+        }
+    }
+    CHECK(stopped > 30);
+}
+
+TEST_CASE("the epoch of positions changes with a take-over that reads no image") {
+    using namespace bare_rigs;
+    static constexpr step reads_elsewhere[] = {steps::fetch<setting>()};
+    rig r{{}}; // nothing is polled
+    REQUIRE(r.drive.run(look));
+    const std::uint16_t was = r.drive.machine().known().epoch_of_positions();
+    REQUIRE(r.drive.run(bare::command{.steps = reads_elsewhere, .then = command_kind::take_over}));
+    REQUIRE(r.drive.run(look));
+    CHECK(r.drive.machine().known().epoch_of_positions() != was);
 }
 
 } // namespace noted_blocks_tests

@@ -121,7 +121,7 @@ struct rig {
         return r;
     }
     routine_status run(routine table) {
-        // One that begins with a stop is one.
+        // A routine that begins with a stop is a stop.
         const bool is_stop = table[0].is_repeatable;
         return run({.steps = table, .stop = is_stop ? stop_priority::halt : stop_priority::no_stop});
     }

@@ -101,7 +101,7 @@ template <class Model, class Exchange> class command_life {
     }
     /// Waits no longer for a response than the plan counts with, though the drive may say that it responds later.
     constexpr void bound_response(duration longest) {
-        limits_.response = shorter_of(limits_.response, longest);
+        if (longest < limits_.response) limits_.response = longest;
     }
     /// A plan has another drive in its place: it is polled no more and refuses all commands but stops.
     constexpr void refuse() {

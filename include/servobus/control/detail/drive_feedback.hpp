@@ -1,7 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// The feedback of a drive, what it shows, and the settings that were learned from it. Feedback that may be of another life of the drive is held back. Nothing here sends.
+// The feedback of a drive, what it shows, and the settings that were learned from it. Feedback that may be of another life
+// of the drive is held back. Nothing here sends.
 #pragma once
 
 #include <cstddef>
@@ -55,7 +56,10 @@ template <class Model> class drive_feedback : public last_motion {
     /// Makes all feedback old, since the settings have changed. The image still says whether the drive has a fault.
     /// `is_taken_over`: the drive may be another one, or have restarted before.
     constexpr void drop_feedback(bool is_taken_over) {
-        epoch_of_positions_ = static_cast<std::uint8_t>(epoch_of_positions_ + is_taken_over);
+        if (is_taken_over) {
+            is_origin_new_ = false;
+            ++epoch_of_positions_;
+        }
         held_.drop();
         polling_.drop(true);
     }
@@ -74,22 +78,26 @@ template <class Model> class drive_feedback : public last_motion {
         r.between = since(before.taken, r.taken);
         return Model::has_fallen(r, settings_);
     }
-    constexpr void take_image(const std::uint16_t* words, bool is_origin_new, instant now) {
+    constexpr void take_image(const std::uint16_t* words, instant now) {
         polling_.take(words);
-        note(0, words, polling_.refreshed());
-        note_image(now);
-        is_origin_new_ = is_origin_new_ && is_origin_new;
+        last_motion::note_image(now);
+    }
+    /// The model is told of an image that was taken. `is_origin_open`: the next one may be counted from elsewhere too.
+    constexpr void note_image(bool is_origin_open) {
+        note(0, image(), polling_.image().taken);
+        is_origin_new_ = is_origin_new_ && is_origin_open;
     }
     constexpr void take_block(std::uint8_t block, const std::uint16_t* words, instant began) {
         polling_.slower().take(block, words, began);
         note(block, words, began);
     }
     /// A position in a block of its own is nearer to zero than before.
-    constexpr bool has_fallen(std::uint8_t block, const std::uint16_t* words) const {
+    constexpr bool has_fallen(std::uint8_t block, const std::uint16_t* words, instant began) const {
         const auto& slower = polling_.slower();
         if (is_origin_new_ || !slower.has_words(block)) return false;
-        block_feedback r = feedback_of(block, words, {});
+        block_feedback r = feedback_of(block, words, began);
         r.before = slower.words(block);
+        r.between = since(slower.taken(block), began);
         return Model::has_fallen(r, settings_);
     }
     /// The block that was held back counts from now on.
@@ -113,7 +121,7 @@ template <class Model> class drive_feedback : public last_motion {
     /// Positions may be counted from elsewhere since the image.
     constexpr void note_origin() { is_origin_new_ = true; }
     /// Another number: positions may be counted from elsewhere since.
-    constexpr std::uint8_t epoch_of_positions() const { return epoch_of_positions_; }
+    constexpr std::uint16_t epoch_of_positions() const { return epoch_of_positions_; }
 
   protected:
     constexpr drive_feedback(std::uint8_t node_address, duration feedback)
@@ -129,7 +137,7 @@ template <class Model> class drive_feedback : public last_motion {
   private:
     // While a command sets an origin each refresh may count from another one.
     constexpr void note(std::uint8_t block, const std::uint16_t* words, instant taken) {
-        epoch_of_positions_ = static_cast<std::uint8_t>(epoch_of_positions_ + is_origin_new_);
+        epoch_of_positions_ = static_cast<std::uint16_t>(epoch_of_positions_ + is_origin_new_);
         model_.note(feedback_of(block, words, taken), settings_);
     }
     constexpr block_feedback feedback_of(std::uint8_t block, const std::uint16_t* words,
@@ -141,11 +149,11 @@ template <class Model> class drive_feedback : public last_motion {
     std::uint8_t address_;
     flight last_frame_ = flight::none;
     bool is_origin_new_ = false;
-    std::uint8_t epoch_of_positions_ = 0;
     held_feedback held_{};
     settings settings_ = Model::unknown;
     drive_link<polls::has_watchdog> link_;
     polls polling_;
+    std::uint16_t epoch_of_positions_ = 0;
     [[no_unique_address]] Model model_{};
 };
 

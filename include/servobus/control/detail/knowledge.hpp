@@ -25,7 +25,7 @@ template <class Model> class knowledge : public drive_feedback<Model> {
 
     constexpr knowledge(std::uint8_t node_address, duration feedback) : base{node_address, feedback} {}
 
-    constexpr void invalidate() { this->forget_all(); }
+    [[gnu::noinline]] constexpr void invalidate() { this->forget_all(); }
     /// Invalidates the settings if a command's failure leaves them uncertain: an error of the transport or of a response.
     /// `is_judged`: the error is the model's judgement of an image.
     constexpr void note_failure(const routine_status& r, bool is_judged) {
@@ -60,10 +60,11 @@ template <class Model> class knowledge : public drive_feedback<Model> {
     }
     /// A position of an enabled drive counts once the image after it shows that the drive is still enabled. One of
     /// another drive counts immediately, unless it has fallen: then the witness is read first.
-    constexpr bool withholds(std::uint8_t block, const std::uint16_t* words, bool may_ask_witness) {
+    constexpr bool withholds(std::uint8_t block, const std::uint16_t* words, instant began,
+                             bool may_ask_witness) {
         if (block != Model::blocks.positions() || !is_known()) return false;
         if (this->is_enabled()) return true;
-        if (!may_ask_witness || !this->has_fallen(block, words)) return false;
+        if (!may_ask_witness || !this->has_fallen(block, words, began)) return false;
         link().require_check();
         return true;
     }

@@ -29,17 +29,20 @@ constexpr flight next_frame(const knowledge<Model>& known, const command_slot<Mo
     if (run.is_at_stop()) return flight::step;
     if (run.is_read_back_due()) return flight::step; // before the witness
     if (run.awaits_witness() || known.is_witness_due(command, now, on)) return flight::witness;
-    const bool is_too_early =
-        run.is_waiting() && polling.waited_too_little(now) && !known.is_refresh_due(now);
+    const auto is_poll_due = [&] {
+        if constexpr (polls::has_slower) {
+            if (polling.may_wait_for(slot, now)) return false;
+        }
+        return known.is_refresh_due(now);
+    };
+    const bool is_too_early = run.is_waiting() && polling.waited_too_little(now) && !is_poll_due();
     if (run.reads(image_block<Model>))
         return is_too_early && !polling.is_slower_due() ? flight::none : flight::refresh;
     const flight last = known.last_frame();
     // A command's write is the frame after the read on which it relies: nothing may happen between.
     const bool relies_on_it =
         (last == flight::step_read || last == flight::witness) && run.current().what == step::kind::write;
-    bool is_poll_due = known.is_refresh_due(now);
-    if constexpr (polls::has_slower) is_poll_due = is_poll_due && !polling.may_wait_for(slot, now);
-    if (is_poll_due && last != flight::refresh && !relies_on_it) return flight::refresh;
+    if (is_poll_due() && last != flight::refresh && !relies_on_it) return flight::refresh;
     if constexpr (polls::has_slower) {
         if (polling.is_slower_for(run))
             return polling.is_early_for(run, now) ? flight::none : flight::refresh;

@@ -19,15 +19,13 @@ class step_cursor {
     constexpr bool is_at_stop() const { return current().is_repeatable; }
     constexpr bool is_at_witness() const { return !is_over() && current().what == step::kind::witness; }
     /// True if the drive's model decides on the step, by the process image.
-    constexpr bool asks_model() const {
-        const step::kind what = current().what;
-        return !is_over() && (what == step::kind::permit || what == step::kind::confirm);
-    }
+    constexpr bool asks_model() const { return !is_over() && current().asks_model(); }
     /// True if the step needs registers of `of`.
     constexpr bool reads(const register_block& of) const {
-        if (is_over() || current().what == step::kind::write) return false;
-        if (is_at_witness()) return false;
-        return asks_model() || (!current().is_element && of.contains(current().address, current().count));
+        if (is_over() || current().what == step::kind::write || current().what == step::kind::witness)
+            return false;
+        return current().asks_model() ||
+               (!current().is_element && of.contains(current().address, current().count));
     }
 
   protected:

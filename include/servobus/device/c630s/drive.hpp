@@ -62,8 +62,8 @@ template <class Line> class drive : public facade<model, Line> {
         return this->cached().state == drive_state::needs_power_cycle;
     }
 
-    /// The feedback, read at most `oldest` ago: where the facade is polled, the status is as old as its period, while
-    /// `read` is under way as two, and the rest, of which one part is read with every second status, at most as eight.
+    /// The feedback, read at most `oldest` ago. Where the facade is polled, the status is as old as its period, or as two
+    /// while `read` is under way. One part of the rest is read with every second status: it is at most eight periods old.
     /// Errors: `needs_init`; `busy` while a command changes settings; `timeout` if any of it is older or was not read.
     constexpr result<c630s::feedback> feedback(duration oldest) const {
         errc why = this->check_feedback(oldest);
@@ -133,7 +133,7 @@ template <class Line> class drive : public facade<model, Line> {
   private:
     constexpr c630s::feedback last_feedback() const {
         std::uint16_t words[c630s::feedback::size]{this->image()[0]};
-        for (std::size_t i = 1; i < c630s::feedback::size; ++i) words[i] = this->slower().words(0)[i - 1];
+        for (std::size_t i = 1; i < c630s::feedback::size; ++i) words[i] = this->slower().words(1)[i - 1];
         return c630s::feedback::from_words(words, this->cached().word_order);
     }
 };

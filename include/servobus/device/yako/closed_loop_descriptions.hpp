@@ -14,7 +14,7 @@
 namespace servobus::yako::closed_loop {
 
 // clang-format off
-/// Of the registers that the other variant lacks, or that differ there.
+/// Describes the registers that the other variant lacks, or that differ there.
 inline constexpr description own_descriptions[] = {
     {0x0008, "Shows the states of inputs X0 (bit 0) to X3 (bit 3): 0 inactive, 1 active."},
     {0x0009, "Shows the states of outputs Y0 (bit 0) and Y1 (bit 1): 0 inactive, 1 active."},

@@ -99,7 +99,7 @@ template <class Device> class motion_under_way {
         was_moving_ = s.is_moving();
         is_positioning_ = c.then == effect::moved || c.then == effect::crept;
     }
-    /// A bounded jog under way, in the same direction. One that is at rest was ended when the image was judged.
+    /// True for a bounded jog under way in the same direction. The first image that shows it at rest has ended it.
     constexpr bool goes_on(const prepared_command& c, const std::uint16_t* w) const {
         const auto pace = static_cast<std::int16_t>(w[6]);
         const bool is_opposite = (pace > 0 && c.target < 0) || (pace < 0 && c.target > 0);
@@ -146,7 +146,7 @@ template <class Device> class motion_under_way {
         }
         const bool is_certain = !was_moving_ && (is_moving || !may_have_restarted(place));
         seen_ = is_certain ? motion_check::seen : motion_check::unknown;
-        is_creeping_ = c.then == effect::crept;
+        is_creeping_ = c.then == effect::crept && is_moving;
         return errc::ok;
     }
 
