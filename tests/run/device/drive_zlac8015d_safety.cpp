@@ -334,6 +334,30 @@ TEST_CASE("G20: after the command timeout one halt is sent and confirmed; motion
     CHECK(r.model.stands_still());
 }
 
+TEST_CASE("S3, G20: the stop of a supervisor that a drive receives first after its watchdog's stops it in "
+          "every mode") {
+    rig r{{}, {.command_timeout = milliseconds(400)}};
+    be_enabled_in(r, operating_mode::torque);
+    REQUIRE(r.drive.run(torque{500 * milliampere, 500 * milliampere}));
+    const auto loop = [&](std::uint32_t ms) {
+        const std::uint64_t end = r.wire.time_us() + ms * 1000u;
+        while (r.wire.time_us() < end) {
+            const duration idle = r.drive.step();
+            r.wire.wait(idle.us == 0 ? microseconds(10) : idle);
+        }
+    };
+    loop(300);
+    r.wire.set_connected(0, false); // and the program commands no more
+    loop(3000);
+    REQUIRE(r.drive.state() == drive_state::needs_init);
+    r.log.frames.clear();
+    r.wire.set_connected(0, true);
+    loop(3000);
+    REQUIRE_FALSE(r.log.frames.empty());
+    CHECK(same_bytes(r.log.frames.front(), stop_frame));
+    CHECK(r.model.stands_still());
+}
+
 TEST_CASE("without a command timeout the facade sends nothing by itself, and the drive's watchdog stops the "
           "wheels") {
     rig r;
