@@ -8,6 +8,7 @@
 #include <cstdint>
 
 #include <tests/support/driven_wheels_and_lift.hpp>
+#include <tests/support/driven_zlac8015d.hpp>
 
 namespace bus_drives_tests {
 
@@ -178,6 +179,45 @@ TEST_CASE("G28: a node with a keep-alive that has never responded is read less o
     loop(all, m.wire, 10'000);
     CHECK(m.wire.requests() - before <= 11); // once a second
     CHECK(m.wire.requests() - before >= 9);
+}
+
+TEST_CASE("G28: a drive that waits for the line keeps its place when another of its frames becomes due") {
+    tests::wheels_and_lift r;
+    tests::wheels_and_lift_program p{r.wire};
+    REQUIRE(p.command(p.wheels, init{}));
+    REQUIRE(p.command(p.wheels, zlac8015d::enable_in{zlac8015d::operating_mode::velocity}));
+    REQUIRE(p.command(p.lift, init{}));
+    r.wheels_station.set_response_delay(milliseconds(15));
+    r.lift_station.set_response_delay(milliseconds(15));
+    simulated::request_log log;
+    r.wire.set_hook(&simulated::request_log::note, &log);
+    const auto is_read_of = [&](std::uint16_t address) {
+        return log.frames.back()[1] == 3 && load_word(log.frames.back(), 2) == address;
+    };
+    unsigned seen = 0;
+    for (unsigned turns = 0; turns < 4'000'000 && seen < 20; ++turns) {
+        p.turn();
+        const std::uint16_t own = p.wheels.machine().ticket();
+        const std::uint16_t other = p.lift.machine().ticket();
+        const bool is_older = own != 0 && other != 0 && static_cast<std::int16_t>(other - own) > 0;
+        if (!is_older || log.frames.empty() || !is_read_of(0x20A1) || !log.open.empty()) continue;
+        // The read of the wheels' voltage gets no response: in place of the feedback their witness is due.
+        r.wire.set_connected(0, false);
+        const std::size_t before = log.frames.size();
+        while (log.frames.size() == before) p.turn();
+        r.wire.set_connected(0, true);
+        // A cyclic read may have waited longer.
+        while (is_read_of(0x004B) || is_read_of(0x000A) || is_read_of(0x20A1)) {
+            const std::size_t reads = log.frames.size();
+            while (log.frames.size() == reads) p.turn();
+        }
+        CAPTURE(seen);
+        CHECK(is_read_of(0x200D)); // and not the lift's feedback
+        ++seen;
+        p.run(500);
+        REQUIRE(p.wheels.state() == drive_state::enabled);
+    }
+    CHECK(seen >= 5);
 }
 
 } // namespace bus_drives_tests
