@@ -153,8 +153,8 @@ template <class Model> class drive_feedback : public last_motion {
     settings settings_ = Model::unknown;
     drive_link<polls::has_watchdog> link_;
     polls polling_;
-    std::uint16_t epoch_of_positions_ = 0;
     [[no_unique_address]] Model model_{};
+    std::uint16_t epoch_of_positions_ = 0;
 };
 
 } // namespace servobus::detail

@@ -47,11 +47,11 @@ struct cached_settings {
     bool has_homing_profile = false;                       ///< and so do 0032h and 0033h
     bool is_homed = false;        ///< homed, or its position declared, and nothing since that could lose it
     bool was_homed = false;       ///< what the drive said of it at `init`
+    bool is_marked = false;       ///< `marker` was written: a restart that loses what was not saved shows
     std::uint16_t microsteps = 0; ///< 0011h
     std::uint16_t profile[profile_words]{}; ///< 0020h..0023h
     std::uint16_t homing_speeds[2]{};       ///< 0032h, 0033h
-    bool is_marked = false;    ///< `marker` was written: a restart that loses what was not saved shows
-    std::uint16_t marker[2]{}; ///< 00BAh, 00BBh, the target of position segment 16
+    std::uint16_t marker[2]{};              ///< 00BAh, 00BBh, the target of position segment 16
 };
 
 /// What becomes of the cached settings once the routine is done.
