@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSL-1.0
 //
 // A model that looks for a row which its feedback does not have.
-// EXPECT: the row is not one of this block
+// EXPECT: the_row_is_not_one_of_this_block
 // MEND: static constexpr std::uint8_t fault_at = servobus::image_of<zlac::left_faults>::place_of<zlac::left_faults>;
 #include <servobus/device/zlac8015d.hpp>
 

@@ -10,7 +10,6 @@
 #include <servobus/core/cxx20.hpp>
 
 #include <cstdint>
-#include <type_traits>
 
 #include <servobus/control/image.hpp>
 #include <servobus/control/steps.hpp>
@@ -18,22 +17,23 @@
 namespace servobus {
 
 namespace detail {
-template <const auto& Row> struct row_name {};
+// Not constexpr on purpose: a place that calls it does not compile, and the error names the rule.
+inline void the_row_is_not_one_of_this_block() {}
 } // namespace detail
 
 /// Rows in address order, without a gap, of at most 11 registers.
 template <const auto&... Rows> class image_of {
     static constexpr step read = steps::fetch<Rows...>();
 
+    static consteval std::uint8_t place_at(std::uint16_t address) {
+        if (((Rows.address != address) && ...)) detail::the_row_is_not_one_of_this_block();
+        return static_cast<std::uint8_t>(address - read.address);
+    }
+
   public:
     static constexpr register_block block{read.address, read.count};
     /// The word at which the row begins.
-    template <const auto& Row>
-    static constexpr std::uint8_t place_of = [] {
-        static_assert((std::is_same_v<detail::row_name<Row>, detail::row_name<Rows>> || ...),
-                      "the row is not one of this block");
-        return static_cast<std::uint8_t>(Row.address - block.address);
-    }();
+    template <const auto& Row> static constexpr std::uint8_t place_of = place_at(Row.address);
 };
 
 } // namespace servobus
