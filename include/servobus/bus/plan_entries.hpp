@@ -109,7 +109,7 @@ struct controlled_node : supervised_node {
     duration command_period{}; ///< between commands of the application; 0: not known
     duration keep_alive{};     ///< after it the facade counts the drive's own watchdog as expired; 0: none
     std::uint8_t image_words = 0;
-    std::uint8_t slower_words = 0;     ///< in the longest block that is read less often
+    std::uint8_t slower_words = 0;      ///< in the longest block that is read less often
     std::uint8_t refreshes_between = 0; ///< refreshes of the image for one of a slower block
 };
 

@@ -29,6 +29,14 @@ namespace {
 
 constexpr auto enable_frame = hex("01 06 20 0E 00 08 E2 0F");
 
+void step_for(rig& r, std::uint32_t ms) {
+    const std::uint64_t end = r.wire.time_us() + ms * 1000u;
+    while (r.wire.time_us() < end) {
+        const duration idle = r.drive.step();
+        r.wire.wait(idle.us == 0 ? microseconds(10) : idle);
+    }
+}
+
 } // namespace
 
 TEST_CASE("S3: if a pair of speeds is too high, both wheels are slowed down together, never one alone") {
@@ -309,13 +317,7 @@ TEST_CASE("G20: after the command timeout one halt is sent and confirmed; motion
     be_enabled_in(r, operating_mode::velocity);
     REQUIRE(r.drive.run(velocity{100 * r_per_min, 100 * r_per_min}));
     r.log.frames.clear();
-    const auto loop = [&](std::uint32_t ms) {
-        const std::uint64_t end = r.wire.time_us() + ms * 1000u;
-        while (r.wire.time_us() < end) {
-            const duration idle = r.drive.step();
-            r.wire.wait(idle.us == 0 ? microseconds(10) : idle);
-        }
-    };
+    const auto loop = [&](std::uint32_t ms) { step_for(r, ms); };
     loop(300);
     CHECK(r.sent(zero_targets) == 0);
     CHECK_FALSE(r.model.stands_still());
@@ -339,13 +341,7 @@ TEST_CASE("S3, G20: the stop of a supervisor that a drive receives first after i
     rig r{{}, {.command_timeout = milliseconds(400)}};
     be_enabled_in(r, operating_mode::torque);
     REQUIRE(r.drive.run(torque{500 * milliampere, 500 * milliampere}));
-    const auto loop = [&](std::uint32_t ms) {
-        const std::uint64_t end = r.wire.time_us() + ms * 1000u;
-        while (r.wire.time_us() < end) {
-            const duration idle = r.drive.step();
-            r.wire.wait(idle.us == 0 ? microseconds(10) : idle);
-        }
-    };
+    const auto loop = [&](std::uint32_t ms) { step_for(r, ms); };
     loop(300);
     r.wire.set_connected(0, false); // and the program commands no more
     loop(3000);
