@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// What a drive's model answers: four questions, about a command that is to begin, about its feedback, about a command that has
-// ended, and about a stop. `drive_model` checks every name and every form of it. device/README.md explains each.
+// What a drive's model answers: may a command begin, what does the feedback say, what has a command changed, how is the
+// drive stopped? `drive_model` checks every name and every form. device/README.md explains each.
 //
 //     template <servobus::drive_model Model> constexpr bool stops(servobus::stop_priority how) {
 //         return Model::stop_for(how, Model::unknown, false).stop == how;
@@ -62,18 +62,19 @@ struct block_feedback {
     const std::uint16_t* before = nullptr; ///< to `has_fallen`: the words of the refresh before it; else null
     duration between{};                    ///< to `has_fallen`: from that refresh to this one
     instant taken{};                       ///< when its request began to leave: the values are no older
-    std::uint16_t epoch = 0;               ///< another number: positions may be counted from elsewhere since
+    std::uint16_t epoch = 0;               ///< positions of two refreshes can be compared if it is the same
 };
 
 /// The end of a command.
 struct ending {
-    bool is_done;  ///< false: it has failed
-    routine steps; ///< those that have ended
-    const routine_status& status;
-    slice<const std::uint16_t> words; ///< what they have read
-    duration&
-        watchdog; ///< the time of the drive's watchdog, if a command that failed may have made it shorter
-    response_limits& limits; ///< of the drive's responses, if it says itself how late they come
+    bool is_done;                     ///< false: it has failed
+    routine steps;                    ///< the table that has ended
+    const routine_status& status;     ///< how, and at which of its steps
+    slice<const std::uint16_t> words; ///< what it has read
+    /// The time of the drive's watchdog, which a command that failed may have made shorter.
+    duration& watchdog;
+    /// The limits of the drive's responses, for a drive that says itself how late they come.
+    response_limits& limits;
 };
 
 namespace detail {

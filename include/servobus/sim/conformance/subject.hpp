@@ -39,12 +39,12 @@ concept conformance_subject = requires(typename S::machine& m, const typename S:
     // False for a command, by the name in a finding, that cannot be confirmed under an interpretation, and so must fail.
     { S::can_be_done(0u, "") } -> std::same_as<bool>;
     { S::energises_by_reset } -> std::convertible_to<bool>; // a fault reset may
-    {
-        S::energises_by_level
-        } -> std::convertible_to<bool>; // so may a stop that meets a drive that has restarted
+    // A stop or a start that meets a drive without power, such as one that has restarted, may energise it.
+    { S::energises_by_level } -> std::convertible_to<bool>;
     {S::make(0u)};
     { S::is_energised(seen) } -> std::same_as<bool>;
     { S::is_turning(seen) } -> std::same_as<bool>;
+    // The place of the shaft, which neither a restart nor clearing changes.
     { S::place(seen) } -> std::convertible_to<std::int64_t>;
     { S::starts(seen) } -> std::convertible_to<std::uint32_t>; // moves that it has begun
     S::restart(m);
@@ -52,8 +52,8 @@ concept conformance_subject = requires(typename S::machine& m, const typename S:
     S::end_fault(m);
     S::press_stop(m);
     S::release_stop(m);
-    S::write_by_another(m);
-    S::commands(each); // each(name, how it is enabled, command, expected)
+    S::write_by_another(m); // a setting that no command of the program relies on
+    S::commands(each);      // each(name, how it is enabled, command, expected)
 };
 
 } // namespace servobus::sim
