@@ -13,6 +13,7 @@
 #include <servobus/line/ring.hpp>
 #include <servobus/modbus/functions.hpp>
 #include <servobus/registers/catalogue.hpp>
+#include <servobus/registers/literals.hpp>
 #include <servobus/server/host_row_server.hpp>
 
 #include "../../examples/own_device/own_subject.hpp"
@@ -100,6 +101,14 @@ inline constexpr auto kinds = servobus::command_kinds<effect>{}
                                   .with_new_origin();
 static_assert(kinds.is_complete() && kinds.are_origins_stated());
 
+inline void literals() {
+    using namespace servobus::literals;
+    (void)(1000_mm);
+    (void)(10_mm);
+    (void)(652.3125_mm);
+    (void)(2147_m);
+    (void)(90_degree).rounded(servobus::units::degree);
+}
 struct hooks {
     std::uint8_t before_write(const tank_changes&) { return 0; }
     void after_write(const tank_changes&) {}

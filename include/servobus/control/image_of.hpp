@@ -25,7 +25,7 @@ inline void the_row_is_not_one_of_this_block() {}
 template <const auto&... Rows> class image_of {
     static constexpr step read = steps::fetch<Rows...>();
 
-    static consteval std::uint8_t place_at(std::uint16_t address) {
+    static constexpr std::uint8_t place_at(std::uint16_t address) {
         if (((Rows.address != address) && ...)) detail::the_row_is_not_one_of_this_block();
         return static_cast<std::uint8_t>(address - read.address);
     }

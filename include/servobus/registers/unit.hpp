@@ -46,7 +46,7 @@ template <class N> constexpr void check_count() {
                   "part<10>(second)");
 }
 
-/// The units of measure that the manuals use.
+/// The units of measure that the manuals use, and those of a machine.
 enum class measure : std::uint8_t {
     none,
     r_per_min,
@@ -71,6 +71,19 @@ enum class measure : std::uint8_t {
     pulse_per_revolution,
     reference_unit, ///< pulses after the scaling of an electronic gear
     count,
+    microsecond,
+    micrometre,
+    millimetre,
+    metre,
+    micrometre_per_second,
+    millimetre_per_second,
+    metre_per_second,
+    microradian,
+    milliradian,
+    radian,
+    microradian_per_second,
+    milliradian_per_second,
+    radian_per_second,
 };
 
 /// The symbol of a measure in ASCII, as the tool `servobus map` prints it.
@@ -99,6 +112,19 @@ constexpr const char* symbol(measure m) {
     case measure::pulse_per_revolution: return "pulse/r";
     case measure::reference_unit: return "ref_unit";
     case measure::count: return "counts";
+    case measure::microsecond: return "us";
+    case measure::micrometre: return "um";
+    case measure::millimetre: return "mm";
+    case measure::metre: return "m";
+    case measure::micrometre_per_second: return "um/s";
+    case measure::millimetre_per_second: return "mm/s";
+    case measure::metre_per_second: return "m/s";
+    case measure::microradian: return "urad";
+    case measure::milliradian: return "mrad";
+    case measure::radian: return "rad";
+    case measure::microradian_per_second: return "urad/s";
+    case measure::milliradian_per_second: return "mrad/s";
+    case measure::radian_per_second: return "rad/s";
     }
     return "";
 }
@@ -149,16 +175,34 @@ constexpr std::int64_t common_divisor(std::int64_t a, std::int64_t b) {
 constexpr measure base_of(measure m) {
     switch (m) {
     case measure::millisecond:
+    case measure::microsecond:
     case measure::nanosecond: return measure::second;
     case measure::milliampere: return measure::ampere;
     case measure::millivolt: return measure::volt;
     case measure::hertz: return measure::kilohertz;
+    case measure::degree: return measure::revolution;
+    case measure::micrometre:
+    case measure::millimetre: return measure::metre;
+    case measure::micrometre_per_second:
+    case measure::millimetre_per_second: return measure::metre_per_second;
+    case measure::microradian:
+    case measure::milliradian: return measure::radian;
+    case measure::microradian_per_second:
+    case measure::milliradian_per_second: return measure::radian_per_second;
     default: return m;
     }
 }
 constexpr std::int64_t parts_of_base(measure m) {
-    if (m == measure::nanosecond) return 1'000'000'000;
-    return m == base_of(m) ? 1 : 1000;
+    switch (m) {
+    case measure::nanosecond: return 1'000'000'000;
+    case measure::microsecond:
+    case measure::micrometre:
+    case measure::micrometre_per_second:
+    case measure::microradian:
+    case measure::microradian_per_second: return 1'000'000;
+    case measure::degree: return 360;
+    default: return m == base_of(m) ? 1 : 1000;
+    }
 }
 
 /// How many counts of `to` one count of `from` is, as a reduced fraction.
@@ -365,6 +409,19 @@ inline constexpr unit_constant<unit{measure::revolution}> revolution{};
 inline constexpr unit_constant<unit{measure::pulse_per_revolution}> pulse_per_revolution{};
 inline constexpr unit_constant<unit{measure::reference_unit}> reference_unit{};
 inline constexpr unit_constant<unit{measure::count}> count{};
+inline constexpr unit_constant<unit{measure::microsecond}> microsecond{};
+inline constexpr unit_constant<unit{measure::micrometre}> micrometre{};
+inline constexpr unit_constant<unit{measure::millimetre}> millimetre{};
+inline constexpr unit_constant<unit{measure::metre}> metre{};
+inline constexpr unit_constant<unit{measure::micrometre_per_second}> micrometre_per_second{};
+inline constexpr unit_constant<unit{measure::millimetre_per_second}> millimetre_per_second{};
+inline constexpr unit_constant<unit{measure::metre_per_second}> metre_per_second{};
+inline constexpr unit_constant<unit{measure::microradian}> microradian{};
+inline constexpr unit_constant<unit{measure::milliradian}> milliradian{};
+inline constexpr unit_constant<unit{measure::radian}> radian{};
+inline constexpr unit_constant<unit{measure::microradian_per_second}> microradian_per_second{};
+inline constexpr unit_constant<unit{measure::milliradian_per_second}> milliradian_per_second{};
+inline constexpr unit_constant<unit{measure::radian_per_second}> radian_per_second{};
 } // namespace units
 
 } // namespace servobus

@@ -1,0 +1,77 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// Literals of quantities: decimals become whole counts of a part of the unit, and units of one kind convert exactly.
+// tests/fail has what does not compile.
+#include <cstdint>
+#include <string>
+#include <type_traits>
+
+#include <doctest/doctest.h>
+
+#include <servobus/device/yako.hpp>
+#include <servobus/device/zlac8015d.hpp>
+#include <servobus/registers/literals.hpp>
+
+namespace literals_tests {
+
+using namespace servobus;
+using namespace servobus::literals;
+
+// Decimals
+static_assert(std::is_same_v<decltype(12.5_r_per_min), quantity<unit{measure::r_per_min, 1, 10}>>);
+static_assert((12.5_r_per_min).count() == 125);
+static_assert(std::is_same_v<decltype(30_r_per_min), quantity<unit{measure::r_per_min}>>);
+static_assert((12.50_r_per_min).count() == 125, "zeros at the end make no finer unit");
+static_assert((12.0_r_per_min).count() == 12);
+static_assert((.5_mm).count() == 5 && (5._mm).count() == 5 && (0_mm).count() == 0 && (0.0_mm).count() == 0);
+static_assert((1'000.25_mm).count() == 100'025);
+static_assert((0.0001_m).count() == 1);
+static_assert((007.5_mm).count() == 75);
+static_assert((2'147'483'647_um).count() == 2'147'483'647);
+static_assert((-0.4_mm).count() == -4);
+
+// Units of one kind
+static_assert(0.4_mm == 400_um && 1_m == 1000_mm && 1_m == 1'000'000_um);
+static_assert(1.5_m_per_s == 1500_mm_per_s && 1_mm_per_s == 1000_um_per_s);
+static_assert(1_revolution == 360_degree && 0.25_revolution == 90_degree && 1_degree < 1_revolution);
+static_assert(1_rad == 1000_mrad && 1_mrad == 1000_urad);
+static_assert(0.25_rad_per_s == 250_mrad_per_s && 1_mrad_per_s == 1000_urad_per_s);
+static_assert(1_s == 1000_ms && 1_ms == 1000_us);
+static_assert(1.5_A == 1500_mA && 24_V == 24 * units::volt && 50_percent == 50 * units::percent);
+static_assert((1.5_s).in(units::millisecond) == 1500);
+static_assert((90_degree).rounded(units::revolution) == 0 && (270_degree).rounded(units::revolution) == 1);
+static_assert((1_revolution).in(units::degree) == 360);
+
+// Kinds of their own
+template <class A, class B>
+concept comparable = requires(A a, B b) {
+    a == b;
+};
+static_assert(comparable<decltype(1_mm), decltype(1_um)>);
+static_assert(!comparable<decltype(1_rad), decltype(1_degree)>,
+              "a radian is no rational part of a revolution");
+static_assert(!comparable<decltype(1_mm), decltype(1_mm_per_s)>);
+static_assert(!comparable<decltype(1_r_per_min), decltype(1_rad_per_s)>);
+
+TEST_CASE("literals are where a program would write them") {
+    zlac8015d::cached_settings known{.state = drive_state::enabled,
+                                     .mode = zlac8015d::operating_mode::velocity};
+    known.max_speed = 1000;
+    const auto c = zlac8015d::velocity{30_r_per_min, -30_r_per_min}.plan(known);
+    CHECK(c.refusal == errc::ok);
+    CHECK(c.arguments[0] == 30);
+    CHECK(static_cast<std::int16_t>(c.arguments[1]) == -30);
+    CHECK(zlac8015d::velocity{12.5_r_per_min, 0_r_per_min}.plan(known).refusal == errc::inexact);
+    CHECK(yako::move_by{500_pulse}.way == 500 * units::pulse);
+}
+
+TEST_CASE("each new unit has a symbol") {
+    CHECK(std::string{symbol(measure::micrometre_per_second)} == "um/s");
+    CHECK(std::string{symbol(measure::milliradian)} == "mrad");
+    for (auto m = static_cast<unsigned>(measure::count);
+         m <= static_cast<unsigned>(measure::radian_per_second); ++m)
+        CHECK_FALSE(std::string{symbol(static_cast<measure>(m))}.empty());
+}
+
+} // namespace literals_tests
