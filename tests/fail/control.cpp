@@ -108,6 +108,8 @@ inline void literals() {
     (void)(652.3125_mm);
     (void)(2147_m);
     (void)(90_degree).rounded(servobus::units::degree);
+    (void)zlac::watchdog{servobus::milliseconds(2)};
+    (void)zlac::watchdog{some_number() * units::millisecond};
 }
 struct hooks {
     std::uint8_t before_write(const tank_changes&) { return 0; }

@@ -17,6 +17,8 @@
 #include <cstdint>
 #include <type_traits>
 
+#include <servobus/core/time.hpp>
+
 namespace servobus {
 
 namespace detail {
@@ -266,6 +268,13 @@ constexpr bool same_kind(unit a, unit b) { return base_of(a.of) == base_of(b.of)
 
 } // namespace detail
 
+namespace detail {
+constexpr unit of_durations{measure::microsecond};
+// Not constexpr on purpose: a constant duration that calls it does not compile.
+inline void a_duration_is_a_whole_number_of_the_unit() {}
+inline void a_duration_fits_the_quantity() {}
+} // namespace detail
+
 /// A quantity as an integer count of unit `U`: `quantity<unit{measure::r_per_min, 1, 10}>` counts tenths of
 /// r/min.
 template <unit U, std::integral Rep = std::int32_t> class quantity {
@@ -287,6 +296,23 @@ template <unit U, std::integral Rep = std::int32_t> class quantity {
              detail::conversion(V, U).denominator ==
                  1) constexpr quantity(quantity<V, R> other) // NOLINT: implicit, since exact
         : count_{detail::saturated<Rep>(detail::scaled<detail::conversion(V, U).numerator>(other.count()))} {}
+
+    /// Converts a constant duration, `milliseconds(500)`, that is a whole number of `U`.
+    consteval quantity(duration d) requires(
+        detail::same_kind(U, detail::of_durations)) { // NOLINT: implicit, since exact
+        constexpr detail::ratio r = detail::conversion(detail::of_durations, U);
+        const std::int64_t parts = std::int64_t{d.us} * r.numerator;
+        if (parts % r.denominator != 0) detail::a_duration_is_a_whole_number_of_the_unit();
+        if (parts / r.denominator > detail::highest<Rep>) detail::a_duration_fits_the_quantity();
+        count_ = static_cast<Rep>(parts / r.denominator);
+    }
+    /// Converts a time of whole microseconds to a duration, limited to 0 and to 4294 s.
+    constexpr operator duration() const
+        requires(detail::same_kind(U, detail::of_durations)) { // NOLINT: likewise
+        constexpr detail::ratio r = detail::conversion(U, detail::of_durations);
+        static_assert(r.denominator == 1, "a duration is a whole number of microseconds");
+        return {detail::saturated<std::uint32_t>(detail::scaled<r.numerator>(count_))};
+    }
 
     /// The count of `U`; for a value read from a register, its raw value.
     constexpr Rep count() const { return count_; }

@@ -9,6 +9,7 @@
 
 #include <doctest/doctest.h>
 
+#include <servobus/device/c630s.hpp>
 #include <servobus/device/yako.hpp>
 #include <servobus/device/zlac8015d.hpp>
 #include <servobus/registers/literals.hpp>
@@ -43,6 +44,14 @@ static_assert((1.5_s).in(units::millisecond) == 1500);
 static_assert((90_degree).rounded(units::revolution) == 0 && (270_degree).rounded(units::revolution) == 1);
 static_assert((1_revolution).in(units::degree) == 360);
 
+// Durations and times
+constexpr duration as_duration(duration d) { return d; }
+static_assert(as_duration(500_ms) == milliseconds(500) && as_duration(1.5_s) == milliseconds(1500));
+static_assert(as_duration(250_us) == microseconds(250) && as_duration(-5_ms) == duration{});
+static_assert(as_duration(5000_s).us == 0xFFFF'FFFF, "as long as a duration can be");
+static_assert(quantity<unit{measure::millisecond}>{milliseconds(500)} == 500_ms);
+static_assert(quantity<unit{measure::second}>{milliseconds(2000)} == 2_s);
+
 // Kinds of their own
 template <class A, class B>
 concept comparable = requires(A a, B b) {
@@ -64,6 +73,18 @@ TEST_CASE("literals are where a program would write them") {
     CHECK(static_cast<std::int16_t>(c.arguments[1]) == -30);
     CHECK(zlac8015d::velocity{12.5_r_per_min, 0_r_per_min}.plan(known).refusal == errc::inexact);
     CHECK(yako::move_by{500_pulse}.way == 500 * units::pulse);
+}
+
+TEST_CASE("a time of a command is a quantity or a duration, a limit likewise") {
+    const c630s::home a{30 * units::second};
+    const c630s::home b{milliseconds(30'000)};
+    const c630s::home c{30_s};
+    CHECK(a.within == b.within);
+    CHECK(a.within == c.within);
+    CHECK(wait_standstill{5_s}.limit == milliseconds(5000));
+    CHECK(wait_standstill{5 * units::second}.limit == milliseconds(5000));
+    CHECK(wait_reached{milliseconds(5000)}.limit == milliseconds(5000));
+    CHECK(zlac8015d::watchdog{milliseconds(500)}.limit == 500_ms);
 }
 
 TEST_CASE("each new unit has a symbol") {

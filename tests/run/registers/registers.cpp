@@ -427,17 +427,29 @@ TEST_CASE("G32: a quantity of 64 bits in a finer unit ends at the range of its n
 
 TEST_CASE("every measure has its own symbol, and only measures of one kind are converted") {
     const auto measure_at = [](unsigned i) { return static_cast<measure>(i); };
-    constexpr unsigned count = static_cast<unsigned>(measure::count) + 1;
+    constexpr unsigned count = static_cast<unsigned>(measure::radian_per_second) + 1;
     const std::array<const char*, count> symbols{
-        "",    "r/min", "s", "ms",    "ns",   "A",   "mA", "mA/s",  "V",       "mV",       "ohm",   "W",
-        "kHz", "Hz",    "%", "times", "degC", "deg", "r",  "pulse", "pulse/r", "ref_unit", "counts"};
+        "",     "r/min", "s",       "ms",       "ns",     "A",   "mA",     "mA/s",   "V",
+        "mV",   "ohm",   "W",       "kHz",      "Hz",     "%",   "times",  "degC",   "deg",
+        "r",    "pulse", "pulse/r", "ref_unit", "counts", "us",  "um",     "mm",     "m",
+        "um/s", "mm/s",  "m/s",     "urad",     "mrad",   "rad", "urad/s", "mrad/s", "rad/s"};
     const auto kind = [](measure m) { // the first of its kind
         switch (m) {
         case measure::millisecond:
+        case measure::microsecond:
         case measure::nanosecond: return measure::second;
         case measure::milliampere: return measure::ampere;
         case measure::millivolt: return measure::volt;
         case measure::hertz: return measure::kilohertz;
+        case measure::revolution: return measure::degree;
+        case measure::metre:
+        case measure::millimetre: return measure::micrometre;
+        case measure::metre_per_second:
+        case measure::millimetre_per_second: return measure::micrometre_per_second;
+        case measure::radian:
+        case measure::milliradian: return measure::microradian;
+        case measure::radian_per_second:
+        case measure::milliradian_per_second: return measure::microradian_per_second;
         default: return m;
         }
     };
@@ -465,6 +477,14 @@ TEST_CASE("every measure has its own symbol, and only measures of one kind are c
     CHECK(worth(units::millivolt, units::volt / 100, 1, 10));
     CHECK(worth(units::kilohertz, units::hertz, 1000, 1));
     CHECK(worth(multiple<10>(units::millisecond), units::second / 50, 1, 2));
+    CHECK(worth(units::revolution, units::degree, 360, 1));
+    CHECK(worth(units::degree / 10, units::revolution, 1, 3600));
+    CHECK(worth(units::metre, units::micrometre, 1'000'000, 1));
+    CHECK(worth(units::millimetre, units::metre, 1, 1000));
+    CHECK(worth(units::metre_per_second, units::millimetre_per_second, 1000, 1));
+    CHECK(worth(units::microradian, units::milliradian, 1, 1000));
+    CHECK(worth(units::radian_per_second, units::microradian_per_second, 1'000'000, 1));
+    CHECK(worth(units::microsecond, units::nanosecond, 1000, 1));
 }
 
 TEST_CASE("a unit can be multiplied and divided, and differs if any of its parts does") {
