@@ -14,16 +14,9 @@
 
 namespace tests {
 
-// These drives respond within a few milliseconds, so their time limits are short, and an absent drive costs
-// little.
-template <class Device> constexpr servobus::node<Device> prompt(std::uint8_t node_address) {
-    servobus::node<Device> n{node_address};
-    n.limits.response = servobus::milliseconds(30);
-    n.gaps.quarantine = servobus::milliseconds(40);
-    return n;
-}
-inline constexpr auto wheels_node = prompt<servobus::zlac8015d::device>(1);
-inline constexpr auto lift_node = prompt<servobus::yako::closed_loop::device>(2);
+// These drives respond within a few milliseconds, so their time limits are short, and an absent drive costs little.
+inline constexpr auto wheels_node = servobus::prompt(servobus::node<servobus::zlac8015d::device>{1});
+inline constexpr auto lift_node = servobus::prompt(servobus::node<servobus::yako::closed_loop::device>{2});
 
 inline constexpr servobus::poll_plan fast_plan{
     servobus::modbus::timing_at(115200),

@@ -520,4 +520,20 @@ TEST_CASE("G17: both words of a value are compared before it is written, in eith
     }
 }
 
+TEST_CASE("a node that responds promptly keeps all but its limit and its quarantine") {
+    node<fixture::large> at{7};
+    at.read_retries = 1;
+    at.gaps.gap = milliseconds(3);
+    const auto soon = prompt(at);
+    CHECK(soon.address == 7);
+    CHECK(soon.read_retries == 1);
+    CHECK(soon.limits.response == milliseconds(30));
+    CHECK(soon.gaps.quarantine == milliseconds(40));
+    CHECK(soon.gaps.gap == at.gaps.gap);
+    CHECK(soon.limits.corrupted_request == at.limits.corrupted_request);
+    CHECK(prompt(at, milliseconds(8)).gaps.quarantine == milliseconds(18));
+    at.gaps.gap = milliseconds(50);
+    CHECK(prompt(at).gaps.quarantine == milliseconds(50));
+}
+
 } // namespace client_devices_tests
