@@ -12,17 +12,18 @@
 #include <servobus/explain/explain.hpp>
 #include <servobus/posix/serial.hpp>
 #include <servobus/registers/format.hpp>
+#include <servobus/registers/literals.hpp>
 
 using namespace servobus;
 using namespace servobus::units;
+using namespace servobus::literals;
 
 using wire = line<posix::serial>;
 
 bool turns(zlac8015d::drive<wire>& wheels) {
     using namespace zlac8015d;
-    return wheels.run(init{}) && wheels.run(enable{}) &&
-           wheels.run(velocity{30 * r_per_min, -30 * r_per_min}) && wheels.run(disable{}) &&
-           wheels.feedback(milliseconds(100));
+    return wheels.run(init{}) && wheels.run(enable{}) && wheels.run(velocity{30_r_per_min, -30_r_per_min}) &&
+           wheels.run(disable{}) && wheels.feedback(milliseconds(100));
 }
 bool moves(yako::closed_loop::drive<wire>& lift) {
     using namespace yako;
