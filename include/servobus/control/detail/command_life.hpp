@@ -152,7 +152,8 @@ template <class Model, class Exchange> class command_life {
         const bool moves = Model::kinds.has_motion() && Model::kinds.moves(slot_.command().then);
         slot_.command().steps = no_steps; // the model puts in what follows
         const bool is_done = static_cast<bool>(r);
-        const ending e{is_done, done, r, slot_.run().words(), known_.link().watchdog(), limits_};
+        duration& watchdog = known_.link().watchdog();
+        const ending e{is_done, done, r, slot_.run().words(), watchdog, limits_};
         const errc found = known_.model().learn(slot_.command(), e, known_.cached());
         if (is_done) {
             slot_.note_done(kind, found);
