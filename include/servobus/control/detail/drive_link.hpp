@@ -25,7 +25,7 @@ template <bool HasWatchdog> class drive_link {
     constexpr bool is_expired() const { return HasWatchdog && is_expired_; }
     /// The time of its watchdog has passed since the last request that got a response.
     constexpr bool is_overdue(instant now) const { return HasWatchdog && since(heard_, now) > watchdog_; }
-    constexpr duration watchdog() const { return watchdog_; }
+    constexpr const duration& watchdog() const { return watchdog_; }
     constexpr duration& watchdog() { return watchdog_; }
 
     /// The drive is heard, and the port was not lost since the last `take_loss`.
