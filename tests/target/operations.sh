@@ -108,7 +108,7 @@ operation "build a write (06)" build_06
 operation "build a read (03)" build_03
 operation "build a write of 8 (10h)" build_10h
 operation "parse a response of 8" parse_03
-operation "a step of an idle drive" idle_step 112 # 9 of them call it and compare what it returns
+operation "a step of an idle drive" idle_step 113 # 9 of them call it and compare what it returns
 operation "read 8 and write 2, a blocking line" pair
 if [ "$recording" = 1 ] && [ "$status" = 0 ]; then
     { echo "# $compiler"; echo "# CRC engine: 8 bytes and a byte on Cortex-M0+, the same on M4; operation: M0+, M4"; cat "$work/figures"; } >"$recorded"

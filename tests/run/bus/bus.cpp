@@ -22,7 +22,7 @@ using namespace servobus::units;
 
 namespace {
 
-using tests::fast_plan, tests::lift_node, tests::prompt, tests::wheels_node;
+using tests::fast_plan, tests::lift_node, tests::wheels_node;
 using wheels_device = zlac8015d::device;
 
 static_assert(fast_plan.drives == 2 && fast_plan.size == 3);
@@ -468,10 +468,10 @@ TEST_CASE("G19, G26: stops that are repeated to an absent drive alternate with t
 
 namespace {
 template <std::uint8_t Unit> consteval auto status_of() {
-    return cyclic<zlac8015d::status_word>(prompt<wheels_device>(Unit), milliseconds(100));
+    return cyclic<zlac8015d::status_word>(prompt(node<wheels_device>{Unit}), milliseconds(100));
 }
 template <std::uint8_t Unit> consteval auto controlled_wheels() {
-    return controlled(prompt<wheels_device>(Unit), unsupervised);
+    return controlled(prompt(node<wheels_device>{Unit}), unsupervised);
 }
 inline constexpr poll_plan crowd{modbus::timing_at(115200),
                                  status_of<1>(),
@@ -497,9 +497,10 @@ TEST_CASE(
     for (station& s : stations) REQUIRE(wire.attach(s));
     using line_type = line<sim::virtual_line, seen_requests>;
     line_type on{wire, crowd.timing()};
-    zlac8015d::drive<line_type> two{on, prompt<wheels_device>(2), unsupervised},
-        three{on, prompt<wheels_device>(3), unsupervised}, four{on, prompt<wheels_device>(4), unsupervised},
-        five{on, prompt<wheels_device>(5), unsupervised};
+    zlac8015d::drive<line_type> two{on, prompt(node<wheels_device>{2}), unsupervised},
+        three{on, prompt(node<wheels_device>{3}), unsupervised},
+        four{on, prompt(node<wheels_device>{4}), unsupervised},
+        five{on, prompt(node<wheels_device>{5}), unsupervised};
     auto all = make_bus<crowd>(on, two, three, four, five);
     all.run_for(milliseconds(500));
     on.observer() = {};

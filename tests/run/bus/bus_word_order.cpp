@@ -47,13 +47,13 @@ struct rig : tests::wheels_and_lift, tests::wheels_and_lift_program {
     }
 };
 
-constexpr auto servo_node = tests::prompt<c630s::device>(1);
+constexpr auto servo_node = prompt(node<c630s::device>{1});
 constexpr poll_plan servo_plan{modbus::timing_at(57600),
                                controlled(servo_node, {.command_timeout = no_command_timeout}),
                                cyclic<c630s::feedback_pulses>(servo_node, milliseconds(50)),
                                cyclic<c630s::actual_speed>(servo_node, milliseconds(50))};
 
-constexpr auto table_node = tests::prompt<yako::closed_loop::device>(7);
+constexpr auto table_node = prompt(node<yako::closed_loop::device>{7});
 constexpr poll_plan table_plan{modbus::timing_at(115200),
                                cyclic<yako::actual_position>(table_node, milliseconds(100)),
                                own_requests(table_node, milliseconds(200), 2)};
