@@ -321,8 +321,10 @@ TEST_CASE("G16, G21: a setpoint without a response that reads back as neither th
         u16 found;
         bool is_enabled_anew;
     };
-    for (const auto [found, is_enabled_anew] :
+    for (const scene& s :
          {scene{300, false}, {100, false}, {77, false}, {0, false}, {300, true}, {100, true}, {0, true}}) {
+        const u16 found = s.found;
+        const bool is_enabled_anew = s.is_enabled_anew;
         CAPTURE(found);
         CAPTURE(is_enabled_anew);
         rig r;
