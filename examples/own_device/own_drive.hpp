@@ -216,7 +216,7 @@ class model {
     using prepared_command = winch::prepared_command;
     using settings = cached_settings;
 
-    // What it is
+    // The constants
 
     static constexpr servobus::drive_traits traits{.stops_without_line = false,
                                                    .halts_in_position = true,
@@ -239,12 +239,12 @@ class model {
                                       .of(servobus::command_kind::refresh, effect::seen)
                                       .of(servobus::command_kind::other, effect::arrived, effect::none)
                                       .with_new_origin();
-    /// What a restart changes: a register and what it must hold.
+    /// A restart changes this register: it must hold the session.
     static constexpr steps::recheck witness(const settings& known, const prepared_command&) {
         if (known.state == drive_state::needs_init) return {};
         return {.look = routines::same_session, .words = {routines::session}};
     }
-    /// It has none: it turns on when nothing is sent.
+    /// The winch has no watchdog: it turns on when nothing is sent.
     static constexpr duration watchdog(const settings&) { return {}; }
 
     // May the command begin, or go on?

@@ -82,7 +82,7 @@ class conversation {
     const std::array<node_counters, 256>& counters() const { return counters_; }
 
   private:
-    /// What the last request was.
+    /// The state of the last request.
     enum class state : std::uint8_t {
         none,      ///< there is none, or it needs no response, or has one
         tentative, ///< it may be a response instead

@@ -135,7 +135,7 @@ template <class Model, class Exchange> class drive_machine : public detail::comm
         // The machine's own frame needs no check.
         const std::size_t response = this->is_write() ? 8u : 5u + 2u * block.words;
         const bytes request = modbus::close_trusted<typename Exchange::crc>(this->request_, size);
-        std::size_t at = known_.held().size(); // behind feedback that is held back
+        std::size_t at = known_.held().size(); // after feedback that is held back
         if (at + response > sizeof this->response_) {
             known_.held().drop();
             at = 0;

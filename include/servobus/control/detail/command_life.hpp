@@ -190,8 +190,8 @@ template <class Model, class Exchange> class command_life {
         return slot_.changes_settings() && (slot_.run().has_written() || is_writing);
     }
     [[gnu::always_inline]] constexpr errc take(prepared_command& next, instant now) {
-        const duration silence = limits_.response + gaps_.quarantine;
-        if (const errc why = known_.model().admit(next, silence); why != errc::ok) return why;
+        const duration lost = limits_.response + gaps_.quarantine;
+        if (const errc why = known_.model().admit(next, lost); why != errc::ok) return why;
         std::uint8_t urgent = next.stop != stop_priority::no_stop ? steps::urgent_frames : std::uint8_t{0};
         if (next.stop == stop_priority::no_stop && slot_.is_stopping()) {
             // A supervisor's stop: the take-over is as urgent, and if it fails the stop is repeated.

@@ -87,7 +87,7 @@ template <class Device> class model {
                 .words = {static_cast<std::uint16_t>(known.word_order == word_order::high_first ? 0 : 1),
                           static_cast<std::uint16_t>(known.resolution)}};
     }
-    /// It has none: a motor runs on when nothing is sent.
+    /// The drive has no watchdog: a motor runs on when nothing is sent.
     static constexpr duration watchdog(const settings&) { return {}; }
     static constexpr prepared_command stop_for(stop_priority priority, const settings& known, bool) {
         if (priority == stop_priority::quick_stop) return plan(quick_stop{}, known);

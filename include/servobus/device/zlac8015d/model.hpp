@@ -130,11 +130,11 @@ class model {
     }
 
     /// A wait needs a move, and one lost frame must not use up the time of the drive's watchdog.
-    constexpr errc admit(const prepared_command& c, duration silence) {
+    constexpr errc admit(const prepared_command& c, duration lost) {
         if (c.then == effect::arrived && (goals_ & c.arguments[0]) == 0) return errc::wrong_state;
         motion_ = motion_check::not_asked;
         if (c.then != effect::timeout_set || c.arguments[0] == 0) return errc::ok;
-        return c.arguments[0] * 1000u < silence.us + 50'000 ? errc::out_of_range : errc::ok;
+        return c.arguments[0] * 1000u < lost.us + 50'000 ? errc::out_of_range : errc::ok;
     }
     /// What a command has changed. Steps that are put into `c` follow as a part of it. Returns the error that is
     /// reported in place of its success.
