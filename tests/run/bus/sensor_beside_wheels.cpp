@@ -28,14 +28,8 @@ namespace sensor = tests::cell_sensor;
 namespace {
 
 constexpr std::uint32_t baud = 115200;
-template <class Device> constexpr node<Device> prompt(std::uint8_t node_address) {
-    node<Device> n{node_address};
-    n.limits.response = milliseconds(20);
-    n.gaps.quarantine = milliseconds(30);
-    return n;
-}
-constexpr auto wheels_node = prompt<zlac8015d::device>(1);
-constexpr auto sensor_node = prompt<sensor::device>(9);
+constexpr auto wheels_node = prompt(node<zlac8015d::device>{1}, milliseconds(20));
+constexpr auto sensor_node = prompt(node<sensor::device>{9}, milliseconds(20));
 constexpr poll_plan plan{
     modbus::timing_at(baud),
     controlled(wheels_node, {.feedback = milliseconds(25), .command_timeout = milliseconds(500)})
