@@ -13,7 +13,6 @@
 
 #include <concepts>
 #include <cstdint>
-#include <type_traits>
 
 #include <servobus/control/drive_traits.hpp>
 #include <servobus/control/image.hpp>
