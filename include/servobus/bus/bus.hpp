@@ -152,8 +152,12 @@ class bus : detail::cyclic_reads<Plan, Line, Drives...> {
     static constexpr std::size_t others_number = Plan.drives + 1; // the program's own requests
     static constexpr std::size_t nothing = Plan.drives + 2;
 
+    // A drive of a plan may have a model that derives from the device's, such as an axis.
+    template <class Model, class Drive>
+    static constexpr bool is_drive_of = std::is_base_of_v<facade<typename Drive::model_type, Line>, Drive>&&
+        std::is_base_of_v<Model, typename Drive::model_type>;
     template <std::size_t... I> static constexpr void check(std::index_sequence<I...>) {
-        static_assert((std::is_base_of_v<facade<typename plan_type::template model<I>, Line>, Drives> && ...),
+        static_assert((is_drive_of<typename plan_type::template model<I>, Drives> && ...),
                       "a bus has the controlled drives of its plan, in their order, and no others");
     }
 

@@ -35,6 +35,7 @@ template <class Model, class Line> class drive_view {
                   "a model has each part of device/README.md, in the form that it has there");
 
   public:
+    using model_type = Model;
     using prepared_command = typename Model::prepared_command;
     using settings = typename Model::settings;
     using machine_type = drive_machine<Model, typename Line::exchange>;
@@ -68,6 +69,7 @@ template <class Model, class Line> class drive_view {
     ~drive_view() = default;
 
     constexpr const Model& model() const { return machine_.known().model(); }
+    constexpr Model& model() { return machine_.model(); }
     constexpr const std::uint16_t* image() const { return machine_.known().image(); }
     /// Errors of feedback that may be at most so old: `needs_init` where nothing is known of the drive, `busy` while a
     /// command changes settings, `timeout` if it is older or none was read since.

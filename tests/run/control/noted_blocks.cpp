@@ -259,6 +259,39 @@ TEST_CASE("the epoch of positions changes while a servo is homed, and stays afte
     CHECK(servo_model::told.back().epoch == homed);
 }
 
+TEST_CASE("the epoch of positions changes where a servo's present position becomes its home, and no move "
+          "counts any more") {
+    servo_rig r;
+    r.loop(300);
+    REQUIRE(r.servo.run(c630s::segment{1, 300 * reference_unit, 60 * r_per_min}));
+    REQUIRE(r.servo.run(c630s::enable_in{c630s::control_mode::position}));
+    REQUIRE(r.servo.run(c630s::start_segment{1}));
+    REQUIRE(r.servo.run(wait_standstill{}));
+    r.loop(100);
+    const std::size_t from = servo_model::told.size();
+    const std::uint16_t was = servo_model::told.back().epoch;
+    REQUIRE(r.servo.run(c630s::set_home{}));
+    r.loop(500);
+    std::size_t at_home = 0;
+    for (std::size_t i = from; i < servo_model::told.size(); ++i) {
+        const noted& n = servo_model::told[i];
+        if (n.block != c630s::model::blocks.positions() || n.words[0] + n.words[1] != 0) continue;
+        ++at_home;
+        CHECK(n.epoch != was);
+    }
+    CHECK(at_home != 0);
+    CHECK(r.servo.begin(wait_reached{}) == errc::wrong_state);
+}
+
+TEST_CASE("the epoch of positions changes with the gear of a servo, which says what a count is worth") {
+    servo_rig r;
+    r.loop(300);
+    const std::uint16_t was = servo_model::told.back().epoch;
+    REQUIRE(r.servo.run(c630s::set<c630s::gear_1_numerator>{20}));
+    r.loop(300);
+    CHECK(servo_model::told.back().epoch != was);
+}
+
 TEST_CASE("the epoch of positions changes with an init, also if nothing has shown that the drive restarted") {
     servo_rig r{{}};
     REQUIRE(r.servo.run(read_feedback{}));

@@ -26,6 +26,8 @@ template <class Model, class Exchange> class command_life {
 
     constexpr std::uint8_t address() const { return known_.address(); }
     constexpr const knowledge<Model>& known() const { return known_; }
+    /// Gives a facade the model, for what only its own drive knows, such as the geometry of an axis.
+    constexpr Model& model() { return known_.model(); }
     constexpr const command_slot<Model>& slot() const { return slot_; }
     constexpr const response_limits& limits() const { return limits_; }
     constexpr const bus_gaps& gaps() const { return gaps_; }

@@ -36,8 +36,8 @@ namespace servobus::c630s {
 /// **The drive has no documented watchdog.** When the line or this program is lost, it continues with its last
 /// command: a speed, a torque or a jog without end. A command timeout covers a program that has stopped
 /// commanding but still steps; for the rest a wired stop is needed.
-template <class Line> class drive : public facade<model, Line> {
-    using base = facade<model, Line>;
+template <class Line, class Model = model> class drive : public facade<Model, Line> {
+    using base = facade<Model, Line>;
 
   public:
     constexpr explicit drive(Line& on, std::uint8_t at = 1, const optional_supervision& by = {})

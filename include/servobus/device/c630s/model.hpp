@@ -71,9 +71,10 @@ class model {
                 effect::parameter_set, effect::pair_set, effect::forgotten, effect::record_read,
                 effect::assigned)
             .of(command_kind::other, effect::none, effect::examined, effect::halted, effect::jog_halted,
-                effect::home_looked_at, effect::arrived, effect::stood, effect::position_read,
-                effect::positions_compared, effect::rivals_seen)
-            .with_new_origin(effect::homed, effect::forgotten)
+                effect::home_looked_at, effect::home_set, effect::arrived, effect::stood,
+                effect::position_read, effect::positions_compared, effect::rivals_seen)
+            // A parameter of 32 bits may be a gear: a position is another number then.
+            .with_new_origin(effect::homed, effect::home_set, effect::pair_set, effect::forgotten)
             .with_motion(effect::runs_speed_segments); // by that command itself
 
     /// Before the set-up the outputs have no meaning.
@@ -226,7 +227,9 @@ class model {
         case effect::jogged:
         case effect::jog_halted:
         case effect::segment_selected: known.inputs = c.arguments[1]; break;
-        case effect::homed: motion_.forget(); break;
+        case effect::homed:
+        case effect::home_set:
+        case effect::pair_set: motion_.forget(); break;
         case effect::arrived:
         case effect::stood: return end_move(c, words, known);
         case effect::forgotten: known = unknown; break;

@@ -214,6 +214,7 @@ struct set_home {
     constexpr prepared_command plan(const cached_settings& cached) const {
         return {.steps = routines::set_home,
                 .arguments = {cached.inputs},
+                .then = effect::home_set,
                 .refusal = detail::needs_init_done(cached)};
     }
 };

@@ -95,6 +95,7 @@ enum class effect : std::uint8_t {
     segment_selected, ///< by speed
     home_looked_at,
     homed,
+    home_set, ///< where the motor is
     forgotten,
     seen,    ///< feedback was read
     arrived, ///< the end of a move was waited for

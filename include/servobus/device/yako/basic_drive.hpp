@@ -30,8 +30,9 @@ namespace servobus::yako {
 /// In a superloop `begin(command)` instead of `run`, and `step()` in each loop iteration. After an unknown
 /// outcome or a restart of the drive the state is `needs_init`, and no motion is commanded until `init` has run.
 /// A restart shows as `restart_visible()` says.
-template <class Device, class Line> class basic_drive : public facade<model<Device>, Line> {
-    using base = facade<model<Device>, Line>;
+template <class Device, class Line, class Model = model<Device>>
+class basic_drive : public facade<Model, Line> {
+    using base = facade<Model, Line>;
 
   public:
     constexpr explicit basic_drive(Line& on, std::uint8_t at = 1, const optional_supervision& by = {})
@@ -108,7 +109,7 @@ template <class Device, class Line> class basic_drive : public facade<model<Devi
   private:
     constexpr basic_feedback<Device> last_feedback() const {
         const cached_settings& known = this->cached();
-        return basic_feedback<Device>::from_words({this->image(), model<Device>::blocks.image().words},
+        return basic_feedback<Device>::from_words({this->image(), Model::blocks.image().words},
                                                   known.word_order, known.resolution);
     }
     template <class Wanted> static constexpr void check_variant() {

@@ -62,8 +62,8 @@ struct feedback {
 /// watchdog may have expired, after an unknown outcome or a restart of the drive the state is `needs_init`, and
 /// no motion is commanded until `init` has run: motion never resumes by itself. (Time is measured by a clock
 /// that wraps after 71 minutes: a program that may rest as long calls `step()` meanwhile, or `init` first.)
-template <class Line> class drive : public facade<model, Line> {
-    using base = facade<model, Line>;
+template <class Line, class Model = model> class drive : public facade<Model, Line> {
+    using base = facade<Model, Line>;
 
   public:
     constexpr drive(Line& on, std::uint8_t at, const supervision& by)
@@ -121,7 +121,7 @@ template <class Line> class drive : public facade<model, Line> {
         return arrival(end);
     }
     constexpr zlac8015d::feedback last_feedback() const {
-        return zlac8015d::feedback::from_words({this->image(), model::blocks.image().words});
+        return zlac8015d::feedback::from_words({this->image(), Model::blocks.image().words});
     }
 };
 template <class Line> drive(Line&, std::uint8_t, const supervision&) -> drive<Line>;
