@@ -18,39 +18,39 @@ namespace {
 // A request and its response by turns, all of node 11h.
 const frame_list dialogue = [] {
     frame_list all;
-    for (const servobus::bytes pdu : std::initializer_list<servobus::bytes>{
-             hex("01 00 13 00 13"),
-             hex("01 03 CD 6B 05"), //
-             hex("02 00 C4 00 16"),
-             hex("02 03 AC DB 35"), //
-             hex("05 00 AC FF 00"),
-             hex("05 00 AC FF 00"), //
-             hex("07"),
-             hex("07 6D"), //
-             hex("08 00 00 A5 37"),
-             hex("08 00 00 A5 37"), //
-             hex("08 00 0B 00 00"),
-             hex("08 00 0B 01 02"), //
-             hex("0B"),
-             hex("0B FF FF 01 08"), //
-             hex("0C"),
-             hex("0C 08 00 00 01 08 01 21 20 00"), //
-             hex("0F 00 13 00 0A 02 CD 01"),
-             hex("0F 00 13 00 0A"), //
-             hex("11"),
-             hex("11 05 70 75 6D 70 FF"), //
-             hex("16 00 04 00 F2 00 25"),
-             hex("16 00 04 00 F2 00 25"),                            //
-             hex("17 00 03 00 06 00 0E 00 03 06 00 FF 00 FF 00 FF"), //
-             hex("17 0C 00 FE 0A CD 00 01 00 03 00 0D 00 FF"),       //
-             hex("18 04 DE"),
-             hex("18 00 06 00 02 01 B8 12 84"), //
-             hex("2B 0E 01 00"),
-             hex("2B 0E 01 01 00 00 03 00 02 41 42 01 01 43 02 04 56 31 2E 30"), //
-             hex("2B 0E 04 02"),
-             hex("2B 0E 04 81 00 00 01 02 01 56"),
-             hex("2B 0E 02 00"),
-             hex("AB 03")}) { //
+    for (const byte_list& pdu : std::initializer_list<byte_list>{
+             of(hex("01 00 13 00 13")),
+             of(hex("01 03 CD 6B 05")), //
+             of(hex("02 00 C4 00 16")),
+             of(hex("02 03 AC DB 35")), //
+             of(hex("05 00 AC FF 00")),
+             of(hex("05 00 AC FF 00")), //
+             of(hex("07")),
+             of(hex("07 6D")), //
+             of(hex("08 00 00 A5 37")),
+             of(hex("08 00 00 A5 37")), //
+             of(hex("08 00 0B 00 00")),
+             of(hex("08 00 0B 01 02")), //
+             of(hex("0B")),
+             of(hex("0B FF FF 01 08")), //
+             of(hex("0C")),
+             of(hex("0C 08 00 00 01 08 01 21 20 00")), //
+             of(hex("0F 00 13 00 0A 02 CD 01")),
+             of(hex("0F 00 13 00 0A")), //
+             of(hex("11")),
+             of(hex("11 05 70 75 6D 70 FF")), //
+             of(hex("16 00 04 00 F2 00 25")),
+             of(hex("16 00 04 00 F2 00 25")),                            //
+             of(hex("17 00 03 00 06 00 0E 00 03 06 00 FF 00 FF 00 FF")), //
+             of(hex("17 0C 00 FE 0A CD 00 01 00 03 00 0D 00 FF")),       //
+             of(hex("18 04 DE")),
+             of(hex("18 00 06 00 02 01 B8 12 84")), //
+             of(hex("2B 0E 01 00")),
+             of(hex("2B 0E 01 01 00 00 03 00 02 41 42 01 01 43 02 04 56 31 2E 30")), //
+             of(hex("2B 0E 04 02")),
+             of(hex("2B 0E 04 81 00 00 01 02 01 56")),
+             of(hex("2B 0E 02 00")),
+             of(hex("AB 03"))}) { //
         byte_list frame{0x11};
         frame.insert(frame.end(), pdu.begin(), pdu.end());
         all.push_back(framed(frame));
