@@ -15,6 +15,8 @@
 #include <cstdint>
 
 #include <servobus/axis/detail/exact.hpp>
+#include <servobus/axis/detail/high_word.hpp>
+#include <servobus/axis/detail/is_beyond.hpp>
 #include <servobus/core/result.hpp>
 #include <servobus/core/status.hpp>
 
@@ -60,28 +62,8 @@ class scale {
     /// one, -denominator/2 .. denominator/2.
     /// Errors: out_of_range (`x` is beyond +-`most()`; `carry` is kept).
     constexpr result<std::int32_t> convert(std::int32_t x, std::int32_t& carry) const {
-        const std::uint32_t size = x < 0 ? 0u - static_cast<std::uint32_t>(x) : static_cast<std::uint32_t>(x);
-        if (size > static_cast<std::uint32_t>(most_)) return errc::out_of_range;
-        // The estimate is at most 2 too small. What is left is exact in 32 bits and corrects it.
-        const std::uint64_t product = std::uint64_t{size} * reciprocal_;
-        const std::uint32_t estimate = shift_ >= 32
-                                           ? static_cast<std::uint32_t>(product >> 32) >> (shift_ - 32)
-                                           : static_cast<std::uint32_t>(product >> shift_);
-        std::uint32_t whole = x < 0 ? 0u - estimate : estimate;
-        auto rest = static_cast<std::int32_t>(static_cast<std::uint32_t>(x) * numerator_ -
-                                              whole * static_cast<std::uint32_t>(denominator_) +
-                                              static_cast<std::uint32_t>(carry));
-        const std::int32_t half = denominator_ / 2;
-        while (rest >= denominator_ - half) {
-            rest -= denominator_;
-            ++whole;
-        }
-        while (rest < -half) {
-            rest += denominator_;
-            --whole;
-        }
-        carry = rest;
-        return static_cast<std::int32_t>(whole);
+        if (detail::is_beyond(x, static_cast<std::uint32_t>(most_))) return errc::out_of_range;
+        return converted(x, carry);
     }
 
     /// The whole number nearest to `x * numerator / denominator`; halves are rounded up.
@@ -99,35 +81,60 @@ class scale {
 
     /// The largest size of a number that converts to 32 bits: `x` is in -most .. most.
     constexpr std::int32_t most() const { return most_; }
-    constexpr std::uint32_t numerator() const { return numerator_; }
+    constexpr std::uint32_t numerator() const {
+        return whole_ * static_cast<std::uint32_t>(denominator_) + numerator_;
+    }
     constexpr std::int32_t denominator() const { return denominator_; }
 
   private:
+    friend class differential;
+
+    // Converts `x`, which is in -most .. most.
+    constexpr std::int32_t converted(std::int32_t x, std::int32_t& carry) const {
+        // The estimate is at most 2 too small. What is left is exact in 32 bits and corrects it.
+        const std::uint32_t size = x < 0 ? 0u - static_cast<std::uint32_t>(x) : static_cast<std::uint32_t>(x);
+        const std::uint32_t estimate = detail::high_word(size, reciprocal_) >> shift_;
+        std::uint32_t part = x < 0 ? 0u - estimate : estimate;
+        auto rest = static_cast<std::int32_t>(static_cast<std::uint32_t>(x) * numerator_ -
+                                              part * static_cast<std::uint32_t>(denominator_) +
+                                              static_cast<std::uint32_t>(carry));
+        const std::int32_t half = denominator_ / 2;
+        while (rest >= denominator_ - half) {
+            rest -= denominator_;
+            ++part;
+        }
+        while (rest < -half) {
+            rest += denominator_;
+            --part;
+        }
+        carry = rest;
+        return static_cast<std::int32_t>(static_cast<std::uint32_t>(x) * whole_ + part);
+    }
+
     static constexpr bool fits(std::uint64_t numerator, std::uint64_t denominator) {
         return numerator <= 0xFFFF'FFFFu && denominator <= std::uint64_t{1} << 29;
     }
 
     consteval scale(std::uint64_t numerator, std::uint64_t denominator) {
-        numerator_ = static_cast<std::uint32_t>(numerator);
+        whole_ = static_cast<std::uint32_t>(numerator / denominator);
+        numerator_ = static_cast<std::uint32_t>(numerator % denominator);
         denominator_ = static_cast<std::int32_t>(denominator);
-        shift_ = 0;
-        std::uint64_t quotient = numerator / denominator;
-        std::uint64_t rest = numerator % denominator;
-        for (; quotient < 0x8000'0000u; ++shift_) {
-            rest *= 2;
-            quotient = 2 * quotient + rest / denominator;
-            rest %= denominator;
+        std::uint64_t power = std::uint64_t{1} << 32;
+        if (numerator_ != 0) {
+            for (; power * numerator_ / denominator < 0x8000'0000u; ++shift_) power *= 2;
         }
-        reciprocal_ = static_cast<std::uint32_t>(quotient);
+        reciprocal_ = static_cast<std::uint32_t>(power * numerator_ / denominator);
         const std::uint64_t most = detail::floor_of(0x7FFF'FFFF, denominator, numerator);
         most_ = most < 0x7FFF'FFFF ? static_cast<std::int32_t>(most) : 0x7FFF'FFFF;
     }
 
-    std::uint32_t numerator_ = 1;
+    // The ratio is whole + numerator / denominator, numerator < denominator.
+    std::uint32_t whole_ = 1;
+    std::uint32_t numerator_ = 0;
     std::int32_t denominator_ = 1;
-    std::uint32_t reciprocal_ = 0x8000'0000u; // floor(numerator * 2^shift / denominator), 2^31 .. 2^32
+    std::uint32_t reciprocal_ = 0; // floor(numerator * 2^(32 + shift) / denominator), 2^31 .. 2^32, or 0
     std::int32_t most_ = 0x7FFF'FFFF;
-    std::uint8_t shift_ = 31;
+    std::uint8_t shift_ = 0;
 };
 
 } // namespace servobus
