@@ -59,6 +59,7 @@ class wheel {
     }
 
     constexpr count_direction direction() const { return direction_; }
+    constexpr gear gear_ratio() const { return gear_; }
     /// The travel of `counts()` counts, in nm.
     constexpr std::uint64_t travel() const { return std::uint64_t{travel_nm_} * gear_.output_turns; }
     /// The counts of `travel()`.

@@ -95,8 +95,8 @@ class odometry {
         auto way = static_cast<std::int32_t>(arc >> 32);
         // The chord is shorter than the arc by theta^2 / 24: theta is in 2^-16 turn, and (2 pi)^2 / 24 is 1 + 165/256.
         const auto theta = static_cast<std::int32_t>(static_cast<std::int64_t>(turned) >> 48);
-        const std::int32_t square = theta * theta;
-        way -= detail::high_product(way, square + (square * 165 >> 8));
+        const auto square = static_cast<std::uint32_t>(theta * theta);
+        way -= detail::high_product(way, static_cast<std::int32_t>(square + (square * 165 >> 8)));
         pose_.x_fine = moved(pose_.x_fine, std::int64_t{way} * at.cosine >> 14);
         pose_.y_fine = moved(pose_.y_fine, std::int64_t{way} * at.sine >> 14);
         return true;

@@ -116,13 +116,13 @@ TEST_CASE("a conversion is the division, rounded to the nearest") {
     }
 }
 
-TEST_CASE("ten million conversions add up to one product") {
+TEST_CASE("conversions add up to one product") {
     constexpr scale s = scale::of(163'075, 4096);
     std::mt19937 random{41};
     int64_t counts = 0;
     int64_t sum = 0;
     int32_t carry = 0;
-    for (int i = 0; i < 10'000'000; ++i) {
+    for (int i = 0; i < 200'000; ++i) {
         const auto x = static_cast<int32_t>(random() % 200'001) - 100'000;
         counts += x;
         sum += s.convert(x, carry).value();
