@@ -10,6 +10,7 @@ from measuring import show
 
 for command in ("sh tests/target/run.sh --record",
                 "sh tests/target/operations.sh --record",
+                "sh tests/target/axis.sh --record",
                 "python3 -B bench/sizes.py --record",
                 "python3 -B bench/instructions.py --record",
                 "env CXX=clang++ python3 -B bench/instructions.py --record",

@@ -19,7 +19,7 @@ MOST_LINES = 5
 STATEMENT = re.compile(r"^(if|for|while|return|\(void\)|[a-z_.]+\()", re.M)
 
 # Rooms of which each public header must have an example.
-WITH_EXAMPLES = {"core", "modbus", "registers", "explain", "sim", "posix", "bus", "client", "control", "line", "device", "server"}
+WITH_EXAMPLES = {"core", "axis", "modbus", "registers", "explain", "sim", "posix", "bus", "client", "control", "line", "device", "server"}
 
 BEFORE = """#include <array>
 #include <cerrno>

@@ -13,6 +13,7 @@ MAY_INCLUDE = {
     "core": "",
     "modbus": "core",
     "registers": "core",
+    "axis": "core registers",
     "line": "core modbus",
     "server": "core modbus registers line",
     "client": "core modbus registers line",

@@ -18,6 +18,7 @@
 
 #include "../../examples/own_device/own_subject.hpp"
 #include "basin.hpp"
+#include "chassis.hpp"
 #include "program.hpp"
 #include "served.hpp"
 
@@ -328,4 +329,16 @@ int main() {
     (void)address;
     servobus::sim::conformance<winch::subject> kit{nullptr};
     (void)kit;
+    (void)servobus::scale::of(16'384, 652'300);
+    (void)servobus::scale::of(16'384, 652'195);
+    (void)servobus::diameter(207.6_mm);
+    (void)rolling(4.2_m, counts_per_turn{16384});
+    (void)rolling(652.3_mm, counts_per_turn{4 * 4096});
+    (void)rolling(652.3_mm, counts_per_turn{16384}, gear{37, 10});
+    (void)axle::of({.left = tyre, .right = tyre, .track = 500_mm});
+    (void)axle::of({.left = tyre, .right = tyre, .track = 400_mm});
+    (void)axle::of({.left = rolling(652'301_um, counts_per_turn{1u << 28}), .right = tyre, .track = 500_mm});
+    (void)differential::of(base, units::r_per_min, 300);
+    (void)differential::of(base, units::r_per_min / 10, 3000);
+    (void)differential::of(base, units::r_per_min, 320);
 }

@@ -18,7 +18,7 @@ import sites
 HERE = Path(__file__).resolve().parent
 ROOT = HERE.parent.parent
 # The register tables, the simulators and the hosted parts have tests of another kind.
-ROOMS = ("core", "modbus", "line", "client", "server", "control", "bus", "explain")
+ROOMS = ("core", "modbus", "line", "client", "server", "control", "bus", "explain", "axis")
 REGISTER_HEADERS = ("block", "coil_value", "register_value", "table_readings", "format", "wire", "unit")
 REGISTER_HEADERS += ("catalogue", "profile")
 # Of each device what its facade is made of.

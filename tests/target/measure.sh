@@ -1,8 +1,8 @@
 # SPDX-FileCopyrightText: The servobus authors
 # SPDX-License-Identifier: BSL-1.0
 #
-# Builds a program for a Cortex-M and counts each instruction that it executes in its job in qemu. run.sh and
-# operations.sh source this file. It works in $work, which is removed at the end.
+# Builds a program for a Cortex-M and counts each instruction that it executes in its job in qemu. run.sh,
+# operations.sh, server.sh and axis.sh source this file. It works in $work, which is removed at the end.
 missing=""
 command -v arm-none-eabi-g++ >/dev/null 2>&1 ||
     missing="gcc-arm-none-eabi libnewlib-arm-none-eabi libstdc++-arm-none-eabi-newlib"

@@ -1,0 +1,61 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// Twists as speeds of two wheels: exact cases, and random ones against long double. long_runs.cpp has millions.
+#include <cstdint>
+#include <string>
+
+#include <doctest/doctest.h>
+
+#include <servobus/axis/differential.hpp>
+
+#include "tests/support/axis_twists.hpp"
+
+namespace differential_tests {
+
+using namespace servobus;
+using namespace servobus::literals;
+
+constexpr wheel tyre = rolling(600_mm, counts_per_turn{16384}); // 100 r/min are 1 m/s
+constexpr axle base = axle::of({.left = tyre, .right = mirrored(tyre), .track = 500_mm});
+constexpr differential speeds = differential::of(base, units::r_per_min, 300);
+
+constexpr wheel_speeds at(twist t) { return speeds.wheels(t); }
+
+static_assert(at({}) == wheel_speeds{0, 0, false});
+static_assert(at({1_m_per_s, 0_rad_per_s}) == wheel_speeds{100, -100, false});
+static_assert(at({-1_m_per_s, 0_rad_per_s}) == wheel_speeds{-100, 100, false});
+static_assert(at({0_m_per_s, 1_rad_per_s}) == wheel_speeds{-25, -25, false},
+              "to the left: the right wheel runs forward");
+static_assert(at({400_mm_per_s, 250_mrad_per_s}) == wheel_speeds{34, -46, false}); // 33.75, 46.25
+static_assert(at({4_mm_per_s, 0_rad_per_s}) == wheel_speeds{0, 0, false} &&
+                  at({6_mm_per_s, 0_rad_per_s}).left == 1,
+              "no dead band: half a count");
+
+// At the limit, one factor for both
+static_assert(at({3_m_per_s, 0_rad_per_s}) == wheel_speeds{300, -300, false});
+static_assert(at({3.02_m_per_s, 0_rad_per_s}) == wheel_speeds{300, -300, true});
+static_assert(at({4_m_per_s, 8_rad_per_s}) == wheel_speeds{100, -300, true}); // 200, 600
+static_assert(at({-4_m_per_s, 8_rad_per_s}) == wheel_speeds{-300, 100, true});
+static_assert(at({0_m_per_s, -100_rad_per_s}) == wheel_speeds{300, 300, true});
+
+// Any number of 32 bits
+static_assert(at({2147_m_per_s, 0_rad_per_s}) == wheel_speeds{300, -300, true});
+static_assert(at({-2'147'483'647_um_per_s, 2'147'483'647_urad_per_s}) == wheel_speeds{-300, 180, true});
+static_assert(at({(-0x7FFF'FFFF - 1) * units::micrometre_per_second,
+                  (-0x7FFF'FFFF - 1) * units::microradian_per_second}) == wheel_speeds{-180, 300, true});
+
+TEST_CASE("no wheel is above its limit, and each is within the bound of the scaled pair") {
+    std::uint32_t seed = 50;
+    for (const axis_twists::subject& s : axis_twists::subjects) {
+        const axis_twists::judged all = axis_twists::judge_any(s, ++seed, 50'000);
+        MESSAGE(std::string{s.name}, ": ", static_cast<double>(all.worst), " counts");
+        CHECK(all.above == 0);
+        CHECK(all.wrongly_limited == 0);
+        CHECK(all.worst <= 1.5L);
+        CHECK(all.limited > 1000);
+        CHECK(all.limited < 49'000);
+    }
+}
+
+} // namespace differential_tests
