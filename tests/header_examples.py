@@ -34,7 +34,10 @@ BEFORE = """#include <array>
 #include <servobus/device/c630s.hpp>
 #include <servobus/device/yako.hpp>
 #include <servobus/device/zlac8015d.hpp>
+#include <servobus/device/c630s/axis_drive.hpp>
+#include <servobus/device/yako/axis_drive.hpp>
 #include <servobus/device/zlac8015d/catalogue.hpp>
+#include <servobus/device/zlac8015d/robot.hpp>
 #include <servobus/posix/mbap.hpp>
 #include <servobus/posix/serial.hpp>
 #include <servobus/sim/c630s.hpp>
@@ -73,7 +76,16 @@ SENSOR = TANK + """inline posix::serial serial;
 inline line<posix::serial, counters, unechoed, modbus::open_lengths> wire{serial, modbus::timing_at(115200)};
 inline client io{wire, node<tank::device>{9}};"""
 # What an example speaks of without making it: by header, or for all headers of a folder.
+LITERALS = "using namespace servobus::literals;\n"
+LIFT = LITERALS + WIRE + """inline constexpr auto screw = axis::of(lead(5_mm, counts_per_turn{1000}));
+inline yako::closed_loop::axis_drive lift{wire, 2, screw};"""
 GIVEN = {
+    "axis/axis.hpp": LITERALS,
+    "axis/axis_place.hpp": LITERALS,
+    "control/axis_commands.hpp": LIFT,
+    "device/c630s/axis_drive.hpp": LITERALS + WIRE,
+    "device/yako/axis_drive.hpp": LITERALS + WIRE,
+    "device/zlac8015d/robot.hpp": LITERALS + WIRE,
     "bus/bus.hpp": NODES + WIRE + """inline constexpr poll_plan plan{
         modbus::timing_at(115200), controlled(wheels_node, unsupervised), controlled(lift_node, unsupervised),
         cyclic<zlac8015d::bus_voltage>(wheels_node, milliseconds(200))};

@@ -4,10 +4,10 @@
 // A machine with two wheels, for the wrong programs with a geometry.
 #pragma once
 
-#include <servobus/axis/differential.hpp>
+#include <servobus/axis/axle.hpp>
 
 using namespace servobus::literals;
-using servobus::axle, servobus::counts_per_turn, servobus::differential, servobus::gear, servobus::rolling;
+using servobus::axle, servobus::counts_per_turn, servobus::gear, servobus::rolling;
 
-inline constexpr servobus::wheel tyre = rolling(652.3_mm, counts_per_turn{16384});
+inline constexpr servobus::feed tyre = rolling(652.3_mm, counts_per_turn{16384});
 inline constexpr axle base = axle::of({.left = tyre, .right = mirrored(tyre), .track = 500_mm});

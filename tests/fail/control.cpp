@@ -338,7 +338,4 @@ int main() {
     (void)axle::of({.left = tyre, .right = tyre, .track = 500_mm});
     (void)axle::of({.left = tyre, .right = tyre, .track = 400_mm});
     (void)axle::of({.left = rolling(652'301_um, counts_per_turn{1u << 28}), .right = tyre, .track = 500_mm});
-    (void)differential::of(base, units::r_per_min, 300);
-    (void)differential::of(base, units::r_per_min / 10, 3000);
-    (void)differential::of(base, units::r_per_min, 320);
 }

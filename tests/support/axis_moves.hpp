@@ -7,67 +7,67 @@
 #include <cstdint>
 #include <random>
 
-#include <servobus/axis/carried_move.hpp>
-#include <servobus/axis/unwrapped.hpp>
+#include <servobus/axis/axis_place.hpp>
 
 namespace axis_moves {
 
-inline constexpr servobus::scale um_of_count = servobus::scale::of(652'300, 16'384);
-inline constexpr servobus::scale counts_of_um = servobus::scale::of(16'384, 652'300);
+inline constexpr std::int64_t um_a_turn = 652'300, counts_a_turn = 16'384;
+inline constexpr servobus::feed wheel = servobus::rolling(
+    servobus::micrometres{um_a_turn}, servobus::counts_per_turn{static_cast<std::uint32_t>(counts_a_turn)});
+inline constexpr auto forward = servobus::axis::of(wheel);
+inline constexpr auto mirrored = servobus::axis::of(servobus::mirrored(wheel));
 
-inline int sign_of(servobus::count_direction d) { return d == servobus::count_direction::forward ? 1 : -1; }
+/// The whole number that is nearest to `a / b`, halves up.
+inline std::int64_t nearest(std::int64_t a, std::int64_t b) {
+    const std::int64_t twice = 2 * a + b;
+    return twice >= 0 ? twice / (2 * b) : -((2 * b - 1 - twice) / (2 * b));
+}
 
-/// The counts by which the sum of random relative moves differs from the nearest count. One in eight does not end done.
-inline std::int64_t drift(servobus::count_direction direction, int moves) {
+/// The counts by which the sum of random relative moves differs from the nearest count. One in eight does not begin.
+inline std::int64_t drift(const servobus::axis& of, int moves) {
     using namespace servobus;
     std::mt19937 random{44};
-    carried_move carried{counts_of_um, direction};
+    axis_place place{of};
     std::int64_t um = 0;
     std::int64_t counts = 0;
     for (int i = 0; i < moves; ++i) {
-        const auto distance = static_cast<std::int32_t>(random() % 20'001) - 10'000;
-        const result<planned_move> m = carried.plan(micrometres{distance});
+        const auto way = static_cast<std::int32_t>(random() % 20'001) - 10'000;
+        std::int32_t rest = 0;
+        const result<std::int32_t> m = place.plan(micrometres{way}, rest);
         if (random() % 8 == 0) continue;
-        carried.commit(*m);
-        um += distance;
-        counts += sign_of(direction) * m->counts;
+        place.keep(rest);
+        um += way;
+        counts += of.is_mirrored() ? -*m : *m;
     }
-    // Towards the nearest: half a count more, rounded down.
-    const std::int64_t d = 2 * std::int64_t{counts_of_um.denominator()};
-    const std::int64_t twice = 2 * um * counts_of_um.numerator() + counts_of_um.denominator();
-    const std::int64_t nearest = twice >= 0 ? twice / d : -((d - 1 - twice) / d);
-    return counts - nearest;
+    return counts - nearest(um * counts_a_turn, um_a_turn);
 }
 
-struct unwrapping {
+struct followed {
     bool are_equal = true;
     std::int64_t wraps = 0;
 };
 
-/// Unwraps feedbacks of 9000 counts on average, and compares counts and micrometres after each.
-inline unwrapping unwrap(servobus::count_direction direction, int feedbacks) {
+/// Follows feedbacks of 9000 counts on average, and compares the micrometres after each.
+inline followed follow(const servobus::axis& of, int feedbacks) {
     using namespace servobus;
     std::mt19937 random{43};
-    unwrapped position{direction};
-    unwrapped_length length{um_of_count, direction};
-    std::uint32_t raw = 0xFFFF'0000;
-    position.start(raw);
-    length.start(raw);
-    std::int64_t counts = 0;
-    unwrapping u;
+    axis_place place{of};
+    std::uint32_t raw = 0x7FFF'0000;
+    place.follow(raw, 1);
+    followed f;
+    const std::int64_t sign = of.is_mirrored() ? -1 : 1;
+    std::int64_t counts = 0x7FFF'0000;
     for (int i = 0; i < feedbacks; ++i) {
         const auto step = static_cast<std::int32_t>(random() % 100'001) - 41'000;
-        raw += static_cast<std::uint32_t>(sign_of(direction) * step);
+        raw += static_cast<std::uint32_t>(step);
         counts += step;
-        u.are_equal &= position.update(raw) == step && static_cast<bool>(length.update(raw));
-        u.are_equal &= position.counts() == counts && length.counts() == counts;
+        place.follow(raw, 1);
         // At most half a um off.
-        const std::int64_t off =
-            length.length().count() * um_of_count.denominator() - counts * um_of_count.numerator();
-        u.are_equal &= 2 * off <= um_of_count.denominator() && -2 * off <= um_of_count.denominator();
+        const std::int64_t off = sign * place.length().count() * counts_a_turn - counts * um_a_turn;
+        f.are_equal &= 2 * off <= counts_a_turn && -2 * off <= counts_a_turn;
     }
-    u.wraps = counts >> 32;
-    return u;
+    f.wraps = (counts >> 32);
+    return f;
 }
 
 } // namespace axis_moves

@@ -26,7 +26,7 @@ struct lengths {
     number right_count;
     number track;
 };
-inline number um_of_count(const servobus::wheel& w) {
+inline number um_of_count(const servobus::feed& w) {
     const number um = static_cast<number>(w.travel()) / 1000 / static_cast<number>(w.counts());
     return w.direction() == servobus::count_direction::forward ? um : -um;
 }

@@ -15,29 +15,31 @@ namespace axis_twists {
 
 using number = long double;
 
-/// What a differential is for: the same arguments, in long double.
+/// A machine, and the same in long double.
 struct subject {
     const char* name;
-    servobus::differential speeds;
-    number left_counts;  ///< of a um/s
-    number right_counts; ///< likewise
-    number half_track;   ///< um
+    servobus::differential machine;
+    std::uint32_t per_r_per_min; ///< counts
+    number left_counts;          ///< of a um/s
+    number right_counts;         ///< likewise
+    number half_track;           ///< um
     std::int32_t limit;
 };
 
-consteval subject subject_of(const char* name, const servobus::axle& on, servobus::unit count,
+consteval subject subject_of(const char* name, const servobus::axle::parts& of, std::uint32_t per_r_per_min,
                              std::int32_t limit) {
-    const auto counts = [count](const servobus::wheel& w) {
+    const auto counts = [per_r_per_min](const servobus::feed& w) {
         const number um_a_turn =
             static_cast<number>(w.travel()) / 1000 / static_cast<number>(w.gear_ratio().motor_turns);
-        const number c = 60 / um_a_turn * count.denominator / count.numerator;
+        const number c = 60 / um_a_turn * per_r_per_min;
         return w.direction() == servobus::count_direction::forward ? c : -c;
     };
     return {name,
-            servobus::differential::of(on, count, limit),
-            counts(on.left()),
-            counts(on.right()),
-            static_cast<number>(on.track().count()) / 2000,
+            servobus::differential::of(of),
+            per_r_per_min,
+            counts(of.left),
+            counts(of.right),
+            static_cast<number>(of.track.count()) / 2000,
             limit};
 }
 
@@ -57,7 +59,8 @@ inline number beyond(number off, number counts) {
 inline void judge(const subject& s, std::int32_t speed, std::int32_t turn, judged& all) {
     using namespace servobus;
     const wheel_speeds w =
-        s.speeds.wheels({speed * units::micrometre_per_second, turn * units::microradian_per_second});
+        s.machine.wheels({speed * units::micrometre_per_second, turn * units::microradian_per_second},
+                         s.per_r_per_min, static_cast<std::uint32_t>(s.limit));
     const number side = static_cast<number>(turn) * s.half_track / 1'000'000;
     number left = (static_cast<number>(speed) - side) * s.left_counts;
     number right = (static_cast<number>(speed) + side) * s.right_counts;
@@ -94,31 +97,31 @@ inline judged judge_any(const subject& s, std::uint32_t seed, int twists) {
     return all;
 }
 
-inline constexpr servobus::wheel tyre =
+inline constexpr servobus::feed tyre =
     servobus::rolling(servobus::micrometres{652'300}, servobus::counts_per_turn{16384});
-inline constexpr servobus::wheel geared =
+inline constexpr servobus::feed geared =
     servobus::rolling(servobus::diameter(servobus::micrometres{150'100}), servobus::counts_per_turn{4096},
                       servobus::gear{37, 10});
-inline constexpr servobus::wheel roller =
+inline constexpr servobus::feed roller =
     servobus::rolling(servobus::micrometres{10'000}, servobus::counts_per_turn{1000});
 
-inline constexpr servobus::axle usual =
-    servobus::axle::of({.left = tyre, .right = mirrored(tyre), .track = servobus::micrometres{500'000}});
-inline constexpr servobus::axle uneven =
-    servobus::axle::of({.left = geared, .right = mirrored(tyre), .track = servobus::micrometres{1'234'567}});
-inline constexpr servobus::axle wide =
-    servobus::axle::of({.left = mirrored(tyre), .right = tyre, .track = servobus::micrometres{15'900'000}});
-inline constexpr servobus::axle tiny =
-    servobus::axle::of({.left = roller, .right = roller, .track = servobus::micrometres{50'000}});
+inline constexpr servobus::axle::parts usual{
+    .left = tyre, .right = mirrored(tyre), .track = servobus::micrometres{500'000}};
+inline constexpr servobus::axle::parts uneven{
+    .left = geared, .right = mirrored(tyre), .track = servobus::micrometres{1'234'567}};
+inline constexpr servobus::axle::parts wide{
+    .left = mirrored(tyre), .right = tyre, .track = servobus::micrometres{15'900'000}};
+inline constexpr servobus::axle::parts tiny{
+    .left = roller, .right = roller, .track = servobus::micrometres{50'000}};
 
 inline constexpr subject subjects[]{
-    subject_of("whole r/min", usual, servobus::units::r_per_min, 300),
-    subject_of("tenths of r/min", usual, servobus::units::r_per_min / 10, 3000),
-    subject_of("a limit of 1", usual, servobus::units::r_per_min, 1),
-    subject_of("two wheels of different size and gear", uneven, servobus::units::r_per_min, 3000),
-    subject_of("a wide track", wide, servobus::units::r_per_min / 10, 10'000),
-    subject_of("the highest limit", usual, servobus::units::r_per_min / 10, 32'767),
-    subject_of("very fine counts", tiny, servobus::units::r_per_min / 1000, 32'767),
+    subject_of("whole r/min", usual, 1, 300),
+    subject_of("tenths of r/min", usual, 10, 3000),
+    subject_of("a limit of 1", usual, 1, 1),
+    subject_of("two wheels of different size and gear", uneven, 1, 3000),
+    subject_of("a wide track", wide, 10, 10'000),
+    subject_of("the highest limit", usual, 10, 32'767),
+    subject_of("small wheels", tiny, 7, 32'767),
 };
 
 } // namespace axis_twists

@@ -5,10 +5,9 @@
 // micrometres, sine and cosine, updating a pose, a twist to two wheels. The compiler knows none of the inputs.
 #include <cstdint>
 
-#include <servobus/axis/carried_move.hpp>
+#include <servobus/axis/axis_place.hpp>
 #include <servobus/axis/differential.hpp>
 #include <servobus/axis/odometry.hpp>
-#include <servobus/axis/unwrapped.hpp>
 
 #include "board.hpp"
 
@@ -17,43 +16,41 @@ namespace {
 using namespace servobus;
 using namespace servobus::literals;
 
-constexpr wheel tyre = rolling(652.3_mm, counts_per_turn{16384});
-constexpr axle base = axle::of({.left = tyre, .right = mirrored(tyre), .track = 500_mm});
-constexpr scale um_of_count = tyre.um_of_count();
-constexpr scale counts_of_um = tyre.counts_of_um();
-constexpr differential speeds = differential::of(base, units::r_per_min / 10, 3000);
+constexpr feed tyre = rolling(652.3_mm, counts_per_turn{16384});
+constexpr auto base = differential::of({.left = tyre, .right = mirrored(tyre), .track = 500_mm});
+constexpr auto belt = axis::of(tyre);
 
 } // namespace
 
 extern "C" {
-extern constinit unwrapped_length measured_position;
+extern constinit axis_place measured_position;
 extern constinit odometry measured_pose;
-constinit unwrapped_length measured_position{um_of_count};
-constinit odometry measured_pose{base};
+constinit axis_place measured_position{belt};
+constinit odometry measured_pose{base.base()};
 
 [[gnu::noipa]] std::int32_t measured_convert(std::int32_t um, std::int32_t& rest) {
-    return counts_of_um.convert(um, rest).value_or(0);
+    return belt.counts_of(um * units::micrometre, rest).value_or(0);
 }
-[[gnu::noipa]] bool measured_unwrap(std::uint32_t raw) {
-    return static_cast<bool>(measured_position.update(raw));
-}
+[[gnu::noipa]] void measured_unwrap(std::uint32_t raw) { measured_position.follow(raw, 1); }
 [[gnu::noipa]] detail::unit_vector measured_sine(std::uint32_t angle) {
     return detail::unit_vector_at(angle);
 }
 [[gnu::noipa]] bool measured_update(std::uint32_t left, std::uint32_t right, std::uint32_t now) {
     return measured_pose.update(left, right, {now});
 }
-[[gnu::noipa]] wheel_speeds measured_twist(twist t) { return speeds.wheels(t); }
+[[gnu::noipa]] wheel_speeds measured_twist(twist t) { return base.wheels(t, 10, 3000); }
 
 // The board runs the job twice. Three inputs of each: they differ in the corrections of a conversion and in the quadrant.
 bool job() {
     std::int32_t rest = 0;
     bool is_right = measured_convert(652'300, rest) == 16'384 && rest == 0;
     is_right = is_right && measured_convert(-123'457, rest) == -3101 && measured_convert(99, rest) == 3;
-    const std::int64_t before = measured_position.counts();
-    measured_position.start(0xFFFF'FF00);
-    is_right = is_right && measured_unwrap(0xFFFF'FF09) && measured_unwrap(0x1000) && measured_unwrap(0x0FF0);
-    is_right = is_right && measured_position.counts() - before == 4336;
+    measured_position = axis_place{belt};
+    measured_position.follow(0xFFFF'FF00, 1);
+    measured_unwrap(0xFFFF'FF09);
+    measured_unwrap(0x1000);
+    measured_unwrap(0x0FF0);
+    is_right = is_right && measured_position.length() == 162'438_um;
     is_right = is_right && measured_sine(0x1234'5678).sine > 0 && measured_sine(0x789A'BCDE).cosine < 0 &&
                measured_sine(0xC321'0987).sine < 0;
     measured_pose.set({});

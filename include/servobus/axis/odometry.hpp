@@ -5,8 +5,8 @@
 // for each feedback. It uses integers only; the pose that it keeps does not depend on how often it is read.
 //
 //     using namespace servobus::literals;
-//     constexpr wheel tyre = rolling(652.3_mm, counts_per_turn{16384});
-//     constexpr axle base = axle::of({.left = tyre, .right = mirrored(tyre), .track = 500_mm});
+//     constexpr feed wheel = rolling(652.3_mm, counts_per_turn{16384});
+//     constexpr axle base = axle::of({.left = wheel, .right = mirrored(wheel), .track = 500_mm});
 //     static_assert([] { odometry o{base}; o.start(0, 0); return o.update(4096, 0u - 4096, {}) &&
 //                        o.pose().x_mm() == 163_mm && o.pose().heading() == 0_urad; }());
 #pragma once
@@ -25,28 +25,36 @@ namespace servobus {
 
 /// Adds up the steps of two wheels. The heading depends on the net counts of the wheels only.
 ///
-/// A step is what a wheel moves between two updates. A step of more than 8.3 m or 2^20 counts, or one that turns the axle
-/// by more than 0.4 rad, is not added: the pose is not continuous from then on. A drive that has restarted is found so
-/// only if its position differs by so much. Who knows of a restart calls `restart`.
+/// A step is what a wheel moves between two updates. It is not added, and the pose is not continuous from then on, where it
+/// tells too little of the path: a step of more than 8.3 m or 2^20 counts, one that turns the axle by more than 0.4 rad, one
+/// of more than 100 ms whose way times turn is more than 1 mm rad, since its path may end 0.25 mm beside the arc, and one of
+/// more than 500 ms whose way is more than 1 mm. A drive that has restarted is found so only if its position differs by so much.
+/// Who knows of a restart calls `restart`.
 ///
 /// Error of the arithmetic in a kilometre of steps of up to 0.05 rad: 20 um and 1e-9 rad, with counts of 0.2 um and more.
 class odometry {
   public:
-    /// Begins at x 0, y 0, heading 0. `of` must outlive the odometry: a constant of the namespace does.
+    /// Has no axle, until another one is assigned.
+    constexpr odometry() = default;
+    /// Begins at x 0, y 0, heading 0, with the first positions. `of` must outlive the odometry: a constant of the namespace
+    /// does.
     constexpr explicit odometry(const axle& of) : axle_{&of} {}
     odometry(const axle&&) = delete;
 
-    /// Takes the present positions as those of the present pose, which is kept, and stays as continuous as it is.
+    /// Takes the present positions as those of the present pose, which is kept, and stays as continuous as it is. The first
+    /// time it becomes continuous.
     constexpr void start(std::uint32_t left, std::uint32_t right) {
         left_ = left;
         right_ = right;
+        if (!is_started_) pose_.is_continuous = true;
         is_started_ = true;
     }
 
-    /// Does so after the positions were lost, as by a restart of the drive: the pose is not continuous.
+    /// Does so after the positions were lost, as by a restart of the drive: the pose is not continuous. The first time it is
+    /// as `start`.
     constexpr void restart(std::uint32_t left, std::uint32_t right) {
+        if (is_started_) pose_.is_continuous = false;
         start(left, right);
-        pose_.is_continuous = false;
     }
 
     /// Sets the pose, which is continuous from then on. The next step begins where the last one has ended.
@@ -57,14 +65,15 @@ class odometry {
     }
 
     /// Adds the steps to these positions, which were read at `now`. The first update, without a `start`, adds none.
-    /// If the step is too long to be true, the pose stays where it was and is not continuous. Returns `is_continuous`.
+    /// If the step is not added, the pose stays where it was and is not continuous. Returns `is_continuous`.
     constexpr bool update(std::uint32_t left, std::uint32_t right, instant now) {
         const auto l = static_cast<std::int32_t>(left - left_);
         const auto r = static_cast<std::int32_t>(right - right_);
         const bool is_first = !is_started_;
         start(left, right);
+        const duration took = since(pose_.time, now);
         pose_.time = now;
-        if (!is_first && !move(l, r)) pose_.is_continuous = false;
+        if (!is_first && !move(l, r, took)) pose_.is_continuous = false;
         return pose_.is_continuous;
     }
 
@@ -72,7 +81,7 @@ class odometry {
     constexpr const plane_pose& pose() const { return pose_; }
 
   private:
-    constexpr bool move(std::int32_t l, std::int32_t r) {
+    constexpr bool move(std::int32_t l, std::int32_t r, duration took) {
         const detail::axle_ratios& of = axle_->ratios();
         if (detail::is_beyond(l, of.most_counts) || detail::is_beyond(r, of.most_counts)) return false;
         const std::int64_t left_arc = l * of.left_arc;
@@ -84,17 +93,17 @@ class odometry {
         // The heading turns modulo 2^64. Half of the turn is the direction of the chord.
         const std::uint64_t turned = static_cast<std::uint64_t>(std::int64_t{l}) * of.left_turn +
                                      static_cast<std::uint64_t>(std::int64_t{r}) * of.right_turn;
+        const auto theta = static_cast<std::int32_t>(static_cast<std::int64_t>(turned) >> 48); // 2^-16 turn
+        // The arc in 2^-8 um; what is below goes into the next step.
+        const std::int64_t arc = left_arc + right_arc + rest_;
+        auto way = static_cast<std::int32_t>(arc >> 32);
+        if (took > milliseconds(100) && is_doubtful(way, theta, took)) return false;
+        rest_ = static_cast<std::uint32_t>(arc);
         const auto half = static_cast<std::uint64_t>(static_cast<std::int64_t>(turned) >> 1);
         const detail::unit_vector at =
             detail::unit_vector_at(static_cast<std::uint32_t>((pose_.heading_fine + half) >> 32));
         pose_.heading_fine += turned;
-
-        // The arc in 2^-8 um; what is below goes into the next step.
-        const std::int64_t arc = left_arc + right_arc + rest_;
-        rest_ = static_cast<std::uint32_t>(arc);
-        auto way = static_cast<std::int32_t>(arc >> 32);
-        // The chord is shorter than the arc by theta^2 / 24: theta is in 2^-16 turn, and (2 pi)^2 / 24 is 1 + 165/256.
-        const auto theta = static_cast<std::int32_t>(static_cast<std::int64_t>(turned) >> 48);
+        // The chord is shorter than the arc by theta^2 / 24: (2 pi)^2 / 24 is 1 + 165/256.
         const auto square = static_cast<std::uint32_t>(theta * theta);
         way -= detail::high_product(way, static_cast<std::int32_t>(square + (square * 165 >> 8)));
         pose_.x_fine = moved(pose_.x_fine, std::int64_t{way} * at.cosine >> 14);
@@ -102,17 +111,22 @@ class odometry {
         return true;
     }
 
+    // More than 1 mm rad, in 2^-8 um turn; or more than 1 mm.
+    static constexpr bool is_doubtful(std::int32_t way, std::int32_t theta, duration took) {
+        return detail::is_beyond(detail::high_product(way, theta << 16), 40'743) ||
+               (took > milliseconds(500) && detail::is_beyond(way, 256'000));
+    }
     // Wraps 549 km from the origin.
     static constexpr std::int64_t moved(std::int64_t from, std::int64_t by) {
         return static_cast<std::int64_t>(static_cast<std::uint64_t>(from) + static_cast<std::uint64_t>(by));
     }
 
-    const axle* axle_;
+    const axle* axle_ = nullptr;
     std::uint32_t left_ = 0;
     std::uint32_t right_ = 0;
     std::uint32_t rest_ = 0; // 2^-40 um
     bool is_started_ = false;
-    plane_pose pose_{};
+    plane_pose pose_{.is_continuous = false};
 };
 
 } // namespace servobus

@@ -36,7 +36,10 @@ class scale {
 
     /// The ratio `numerator / denominator`. A ratio of 0, or one that is too fine, does not compile.
     static consteval scale of(std::uint64_t numerator, std::uint64_t denominator) {
-        if (numerator == 0 || denominator == 0) detail::a_scale_is_a_ratio_above_0();
+        if (numerator == 0 || denominator == 0) {
+            detail::a_scale_is_a_ratio_above_0();
+            return {};
+        }
         const std::uint64_t common = detail::greatest_divisor(numerator, denominator);
         if (!fits(numerator / common, denominator / common))
             detail::a_scale_in_lowest_terms_is_below_2_32_over_at_most_2_29();
@@ -46,7 +49,10 @@ class scale {
     /// The ratio `numerator / denominator`, or if that is too fine one that differs from it by less than 2^-26 of
     /// itself. For speeds: they are not added up.
     static consteval scale close_to(std::uint64_t numerator, std::uint64_t denominator) {
-        if (numerator == 0 || denominator == 0) detail::a_scale_is_a_ratio_above_0();
+        if (numerator == 0 || denominator == 0) {
+            detail::a_scale_is_a_ratio_above_0();
+            return {};
+        }
         const std::uint64_t common = detail::greatest_divisor(numerator, denominator);
         numerator /= common;
         denominator /= common;
@@ -86,10 +92,7 @@ class scale {
     }
     constexpr std::int32_t denominator() const { return denominator_; }
 
-  private:
-    friend class differential;
-
-    // Converts `x`, which is in -most .. most.
+    /// As `convert`, of an `x` that is in -most .. most, which is not checked.
     constexpr std::int32_t converted(std::int32_t x, std::int32_t& carry) const {
         // The estimate is at most 2 too small. What is left is exact in 32 bits and corrects it.
         const std::uint32_t size = x < 0 ? 0u - static_cast<std::uint32_t>(x) : static_cast<std::uint32_t>(x);
@@ -111,6 +114,7 @@ class scale {
         return static_cast<std::int32_t>(static_cast<std::uint32_t>(x) * whole_ + part);
     }
 
+  private:
     static constexpr bool fits(std::uint64_t numerator, std::uint64_t denominator) {
         return numerator <= 0xFFFF'FFFFu && denominator <= std::uint64_t{1} << 29;
     }

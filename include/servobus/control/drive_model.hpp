@@ -84,7 +84,7 @@ concept answers = requires(Model m, Command& c, const Command& planned, Settings
     { m.permit(c, now, known) } -> std::same_as<errc>;
     { Model::is_faulted(now.image, read) } -> std::same_as<bool>;
     { m.judge(now.image, known) } -> std::same_as<servobus::verdict>;
-    { Model::has_fallen(r, read) } -> std::same_as<bool>;
+    { m.has_fallen(r, read) } -> std::same_as<bool>;
     m.note(r, known);
     { m.confirm(planned, now, known) } -> std::same_as<errc>;
     { m.learn(c, e, known) } -> std::same_as<errc>;

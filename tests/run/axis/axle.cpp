@@ -15,7 +15,7 @@ namespace axle_tests {
 using namespace servobus;
 using namespace servobus::literals;
 
-constexpr wheel tyre = rolling(652.3_mm, counts_per_turn{16384});
+constexpr feed tyre = rolling(652.3_mm, counts_per_turn{16384});
 
 // Lengths of any unit
 static_assert(rolling(0.6523_m, counts_per_turn{16384}).travel() == 652'300'000);
@@ -25,7 +25,7 @@ static_assert(mirrored(tyre).direction() == count_direction::mirrored && mirrore
 static_assert(mirrored(mirrored(tyre)).direction() == count_direction::forward);
 
 // Gears
-constexpr wheel lead_screw = rolling(5.08_mm, counts_per_turn{1000}, gear{37, 10});
+constexpr feed lead_screw = lead(5.08_mm, counts_per_turn{1000}, gear{37, 10});
 static_assert(lead_screw.um_of_count().nearest(3700).value() == 5080 &&
               lead_screw.um_of_count().is_exact(3700));
 static_assert(lead_screw.counts_of_um().nearest(5080).value() == 3700);
@@ -37,7 +37,7 @@ static_assert(rolling(1_um, counts_per_turn{1u << 28}).counts() == 1u << 28);
 static_assert(rolling(1_um, counts_per_turn{1}, gear{65535, 1}).counts() == 65535);
 
 // Speeds: 600 mm a turn are 100 r/min at 1 m/s.
-constexpr wheel round = rolling(600_mm, counts_per_turn{16384});
+constexpr feed round = rolling(600_mm, counts_per_turn{16384});
 static_assert(round.speed_counts_of_um_per_s(units::r_per_min).nearest(1'000'000).value() == 100);
 static_assert(round.speed_counts_of_um_per_s(units::r_per_min / 10).nearest(1'000'000).value() == 1000);
 static_assert(rolling(600_mm, counts_per_turn{16384}, gear{3, 1})
@@ -74,7 +74,7 @@ TEST_CASE("the ratios of an axle are the nearest integers") {
     for (const axle* a : {&base, &of_fine_counts}) {
         const detail::axle_ratios& r = a->ratios();
         const long double track = static_cast<long double>(a->track().count());
-        const auto um_of = [](const wheel& w) {
+        const auto um_of = [](const feed& w) {
             return static_cast<long double>(w.travel()) / static_cast<long double>(w.counts()) / 1000;
         };
         CHECK(is_nearest(static_cast<std::int64_t>(0 - r.left_turn),

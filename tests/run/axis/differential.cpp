@@ -16,11 +16,10 @@ namespace differential_tests {
 using namespace servobus;
 using namespace servobus::literals;
 
-constexpr wheel tyre = rolling(600_mm, counts_per_turn{16384}); // 100 r/min are 1 m/s
-constexpr axle base = axle::of({.left = tyre, .right = mirrored(tyre), .track = 500_mm});
-constexpr differential speeds = differential::of(base, units::r_per_min, 300);
+constexpr feed wheel = rolling(600_mm, counts_per_turn{16384}); // 100 r/min are 1 m/s
+constexpr auto base = differential::of({.left = wheel, .right = mirrored(wheel), .track = 500_mm});
 
-constexpr wheel_speeds at(twist t) { return speeds.wheels(t); }
+constexpr wheel_speeds at(twist t) { return base.wheels(t, 1, 300); }
 
 static_assert(at({}) == wheel_speeds{0, 0, false});
 static_assert(at({1_m_per_s, 0_rad_per_s}) == wheel_speeds{100, -100, false});
@@ -31,6 +30,7 @@ static_assert(at({400_mm_per_s, 250_mrad_per_s}) == wheel_speeds{34, -46, false}
 static_assert(at({4_mm_per_s, 0_rad_per_s}) == wheel_speeds{0, 0, false} &&
                   at({6_mm_per_s, 0_rad_per_s}).left == 1,
               "no dead band: half a count");
+static_assert(base.wheels({400_mm_per_s, 250_mrad_per_s}, 10, 3000) == wheel_speeds{338, -462, false});
 
 // At the limit, one factor for both
 static_assert(at({3_m_per_s, 0_rad_per_s}) == wheel_speeds{300, -300, false});

@@ -22,7 +22,7 @@ using axis_paths::number;
 using std::int32_t;
 using std::uint32_t;
 
-constexpr wheel tyre = rolling(652.3_mm, counts_per_turn{16384});
+constexpr feed tyre = rolling(652.3_mm, counts_per_turn{16384});
 constexpr axle base = axle::of({.left = tyre, .right = mirrored(tyre), .track = 500_mm});
 constexpr axle uneven = axle::of({.left = rolling(652.3_mm, counts_per_turn{16384}),
                                   .right = rolling(diameter(207.9_mm), counts_per_turn{4096}, gear{37, 10}),

@@ -6,6 +6,7 @@
 #pragma once
 
 #include <cstdint>
+#include <type_traits>
 
 #include <servobus/control/detail/routine_run.hpp>
 #include <servobus/control/detail/supervisors.hpp>
@@ -148,13 +149,21 @@ template <class Model> class command_slot {
                                    r.outcome() != outcome::not_sent, now);
     }
 
+    static constexpr prepared_command none() {
+        if constexpr (std::is_aggregate_v<prepared_command>) {
+            return {.steps = no_steps};
+        } else {
+            return prepared_command{no_steps}; // with more than the drive's own
+        }
+    }
+
     static constexpr std::uint8_t tries_of_a_stop = 3;
 
     owner owner_ = owner::none;
     command_kind kind_ = command_kind::other;
     std::uint8_t number_ = 0; // of the application's command
     std::uint8_t stop_tries_ = 0;
-    prepared_command command_{.steps = no_steps};
+    prepared_command command_ = none();
     detail::supervisors supervisors_;
     routine_status report_{};
     routine_run run_{};

@@ -76,7 +76,7 @@ template <class Model> class drive_feedback : public last_motion {
         block_feedback r = feedback_of(0, words, polling_.refreshed());
         r.before = before.words;
         r.between = since(before.taken, r.taken);
-        return Model::has_fallen(r, settings_);
+        return model_.has_fallen(r, settings_);
     }
     constexpr void take_image(const std::uint16_t* words, instant now) {
         polling_.take(words);
@@ -98,7 +98,7 @@ template <class Model> class drive_feedback : public last_motion {
         block_feedback r = feedback_of(block, words, began);
         r.before = slower.words(block);
         r.between = since(slower.taken(block), began);
-        return Model::has_fallen(r, settings_);
+        return model_.has_fallen(r, settings_);
     }
     /// The block that was held back counts from now on.
     constexpr void take_held_block(const std::uint8_t* response) {

@@ -1,0 +1,228 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// Coolmay C630S: a drive that moves an axis, in lengths and speeds of the machine. Programs include it beside or in place of
+// servobus/device/c630s.hpp.
+//
+//     constexpr auto ram = axis::of(lead(5_mm, counts_per_turn{10'000})); // P05-02: reference units of a turn
+//     c630s::axis_drive press{wire, 3, ram};
+//     if (!press.run(c630s::axis_segment{1, 75_mm, 50_mm_per_s, 100_ms})) return 1;
+//     const axis_arrival down = press.run(c630s::start_segment{1}, wait_reached{});
+//     if (down.how == arrival_state::stopped_short) std::printf("%ld um above\n", long(down.missing.count()));
+#pragma once
+
+#include <cstdint>
+
+#include <servobus/axis/axis_place.hpp>
+#include <servobus/control/axis_command.hpp>
+#include <servobus/control/axis_commands.hpp>
+#include <servobus/control/axis_facade.hpp>
+#include <servobus/device/c630s/drive.hpp>
+
+namespace servobus::c630s {
+
+namespace routines {
+/// What a reference unit is worth: P05-02, and the first gear, in one frame.
+inline constexpr step reference_units[] = {
+    steps::fetch<pulses_per_revolution, position_low_pass_time, position_step, position_average_time,
+                 gear_1_numerator, gear_1_denominator>(),
+};
+/// Words that it reads.
+enum reference_word : std::uint8_t { pulses_at = 0, numerator_at = 5, denominator_at = 7 };
+} // namespace routines
+
+/// The resolution of the motor's encoder, which the drive does not report: with P05-02 = 0 the gear refers to it.
+enum class encoder_counts : std::uint32_t {
+    unknown = 0, ///< a drive with P05-02 = 0 is not taken over
+    of_17_bits = 1u << 17,
+    of_23_bits = 1u << 23,
+};
+
+/// A prepared command that may be a part of a move of an axis.
+struct axis_command : servobus::axis_command<prepared_command> {
+    using servobus::axis_command<prepared_command>::axis_command;
+
+    bool starts = false; ///< the segment that it sets is started then
+};
+
+/// The model of a drive that moves an axis.
+class axis_model : public model {
+  public:
+    using prepared_command = axis_command;
+
+    /// The segment of `move_to` and `move_by`.
+    static constexpr segment_number own_segment{16};
+
+    constexpr axis_place& place() { return place_; }
+    constexpr const axis_place& place() const { return place_; }
+    constexpr void set_encoder(encoder_counts of) { encoder_ = of; }
+
+    constexpr void note(const block_feedback& r, const settings& known) {
+        if (r.block == position_block)
+            place_.follow(join_words(r.words[0], r.words[1], known.word_order), r.epoch);
+    }
+    static constexpr prepared_command stop_for(stop_priority priority, const settings& known, bool is_first) {
+        return model::stop_for(priority, known, is_first);
+    }
+    /// A drive whose reference units are worth something else than the program says is not taken over.
+    constexpr errc learn(prepared_command& c, const ending& e, settings& known) {
+        const bool is_look = e.steps.data() == routine{routines::reference_units}.data();
+        if (is_look && e.is_done) {
+            if (!is_as_said(e.words, known.word_order)) {
+                known = unknown;
+                return errc::unexpected_value;
+            }
+            known.state = found_;
+            return errc::ok;
+        }
+        const prepared_command was = c;
+        c.starts = c.carries = false;
+        const errc found = model::learn(c, e, known);
+        if (!e.is_done || found != errc::ok) return found;
+        if (was.then == effect::taken_over) {
+            found_ = known.state;
+            known.state = drive_state::needs_init; // until the units are known
+            c = c630s::prepared_command{.steps = routines::reference_units, .then = effect::taken_over};
+        } else if (was.starts) {
+            c = start_segment{own_segment}.plan(known);
+            c.rest = was.rest;
+            c.carries = was.carries;
+            if (c.refusal != errc::ok) c.steps = no_steps;
+            return c.refusal;
+        } else if (was.carries) {
+            place_.keep(was.rest);
+        }
+        return errc::ok;
+    }
+
+  private:
+    constexpr bool is_as_said(slice<const std::uint16_t> w, word_order order) const {
+        using namespace routines;
+        const auto number = [&](std::size_t at) -> std::uint64_t {
+            return join_words(w[at], w[at + 1], order);
+        };
+        const std::uint64_t said = place_.geometry().counts_of_motor_turn();
+        if (number(pulses_at) != 0) return number(pulses_at) == said;
+        return encoder_ != encoder_counts::unknown &&
+               said * number(numerator_at) == static_cast<std::uint64_t>(encoder_) * number(denominator_at);
+    }
+
+    axis_place place_{};
+    encoder_counts encoder_ = encoder_counts::unknown;
+    drive_state found_ = drive_state::needs_init; // by `init`
+};
+
+namespace detail {
+/// The speed of a motor in whole r/min.
+struct whole_speed {
+    std::int32_t value = 0;
+    errc error = errc::ok;
+};
+constexpr whole_speed speed_on(const axis& on, micrometres_per_second wanted) {
+    const result<motor_speed> exact = on.motor_speed_of(wanted);
+    if (!exact) return {0, exact.error()};
+    const std::int32_t tenths = exact->count();
+    const std::int32_t whole = (tenths + (tenths < 0 ? -5 : 5)) / 10;
+    return {whole, whole == 0 && wanted.count() != 0 ? errc::out_of_range : errc::ok};
+}
+} // namespace detail
+
+/// Sets a position segment in the machine's units, as `segment`: a place, or a way where `position_segments` says so. Errors:
+/// as `segment`; `out_of_range`.
+struct axis_segment {
+    segment_number number;
+    micrometres way;
+    micrometres_per_second at; ///< above 0, to the nearest r/min of the motor
+    time ramp{10};             ///< 0..65535 ms
+    time wait{10};             ///< after it, 0..10000 ms
+};
+constexpr axis_command plan_on_axis(const axis_segment& wanted, const axis_place& at,
+                                    const cached_settings& known) {
+    const axis& on = at.geometry();
+    const result<std::int32_t> counts = on.counts_of(wanted.way);
+    const auto to = detail::speed_on(on, wanted.at);
+    const std::int32_t size = on.is_mirrored() ? -to.value : to.value;
+    axis_command c =
+        segment{wanted.number, distance{counts.value_or(0)}, speed{size}, wanted.ramp, wanted.wait}.plan(
+            known);
+    c.refusal = detail::first_error(c.refusal, counts.error(), to.error);
+    return c;
+}
+
+namespace detail {
+/// Sets the axis' own segment and starts it.
+constexpr axis_command move_on_axis(const result<std::int32_t>& counts, const axis_profile& by,
+                                    displacement_type ways, const axis_place& at,
+                                    const cached_settings& known) {
+    const axis& on = at.geometry();
+    const auto to = speed_on(on, by.top);
+    const std::int32_t size = on.is_mirrored() ? -to.value : to.value;
+    const bool is_uneven = by.acceleration != by.deceleration || by.start.count() != 0;
+    axis_command c = segment{
+        axis_model::own_segment, distance{counts.value_or(0)}, speed{size}, by.acceleration,
+        time{0}}.plan(known);
+    c.refusal = first_error(start_segment{axis_model::own_segment}.plan(known).refusal,
+                            known.ways == ways ? errc::ok : errc::wrong_state,
+                            by.is_stored() || is_uneven ? errc::bad_argument : errc::ok, counts.error(),
+                            first_error(to.error, c.refusal));
+    c.starts = true;
+    return c;
+}
+} // namespace detail
+
+/// To a place from the drive's home: sets segment 16 and starts it. Both ramps take the same time, and a motor has no speed at
+/// which it begins. Errors: as `segment` and `start_segment`; `wrong_state` where segments are ways; `bad_argument` without a
+/// profile, or with another one; `out_of_range`.
+constexpr axis_command plan_on_axis(const servobus::move_to& wanted, const axis_place& at,
+                                    const cached_settings& known) {
+    return detail::move_on_axis(at.geometry().counts_of(wanted.place), wanted.by, displacement_type::absolute,
+                                at, known);
+}
+/// As `move_to`, where segments are ways.
+constexpr axis_command plan_on_axis(const servobus::move_by& wanted, const axis_place& at,
+                                    const cached_settings& known) {
+    std::int32_t rest = 0;
+    const result<std::int32_t> counts = at.plan(wanted.way, rest);
+    axis_command c = detail::move_on_axis(counts, wanted.by, displacement_type::relative, at, known);
+    c.rest = rest;
+    c.carries = true;
+    return c;
+}
+/// In speed mode, in whole r/min of the motor. Errors: as `velocity`; `out_of_range`.
+constexpr axis_command plan_on_axis(const servobus::move_at& wanted, const axis_place& at,
+                                    const cached_settings& known) {
+    const auto to = detail::speed_on(at.geometry(), wanted.speed);
+    axis_command c = velocity{speed{to.value}}.plan(known);
+    c.refusal = detail::first_error(to.error, c.refusal);
+    return c;
+}
+
+/// One C630S on a line that moves an axis. Commands of the drive itself stay in reference units. `init` compares the counts of
+/// a turn with P05-02, or, where that is 0, with the first gear and the encoder's counts: `unexpected_value`.
+template <class Line> class axis_drive : public axis_facade<drive<Line, axis_model>> {
+    using base = axis_facade<drive<Line, axis_model>>;
+
+  public:
+    constexpr axis_drive(Line& on, std::uint8_t at, const axis& of, const optional_supervision& by = {},
+                         encoder_counts encoder = encoder_counts::unknown)
+        : axis_drive{on, servobus::node<device>{at}, of, by, encoder} {}
+    /// With limits and gaps of its own.
+    constexpr axis_drive(Line& on, const servobus::node<device>& at, const axis& of,
+                         const optional_supervision& by = {},
+                         encoder_counts encoder = encoder_counts::unknown)
+        : base{of, on, at, by} {
+        this->model().set_encoder(encoder);
+    }
+    axis_drive(Line&, std::uint8_t, const axis&&, const optional_supervision& = {},
+               encoder_counts = encoder_counts::unknown) = delete; // it is referred to
+    axis_drive(Line&, const servobus::node<device>&, const axis&&, const optional_supervision& = {},
+               encoder_counts = encoder_counts::unknown) = delete;
+};
+template <class Line>
+axis_drive(Line&, std::uint8_t, const axis&, const optional_supervision& = {},
+           encoder_counts = encoder_counts::unknown) -> axis_drive<Line>;
+template <class Line>
+axis_drive(Line&, const servobus::node<device>&, const axis&, const optional_supervision& = {},
+           encoder_counts = encoder_counts::unknown) -> axis_drive<Line>;
+
+} // namespace servobus::c630s

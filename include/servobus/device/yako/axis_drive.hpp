@@ -1,0 +1,184 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// YAKOTEC Modbus steppers: a drive that moves an axis, in lengths and speeds of the machine. Programs include it beside or
+// in place of servobus/device/yako.hpp.
+//
+//     constexpr auto screw = axis::of(lead(5_mm, counts_per_turn{1000})); // 0011h: pulses of a turn
+//     yako::closed_loop::axis_drive lift{wire, 2, screw};
+//     if (!lift.run(init{}) || !lift.run(enable{})) return 1;
+//     if (!lift.run(yako::closed_loop::home{yako::homing::home_24})) return 1;
+//     if (lift.run(servobus::move_to{125.5_mm}, wait_reached{}).how != arrival_state::reached) return 1;
+#pragma once
+
+#include <cstdint>
+
+#include <servobus/axis/axis_place.hpp>
+#include <servobus/control/axis_command.hpp>
+#include <servobus/control/axis_commands.hpp>
+#include <servobus/control/axis_facade.hpp>
+#include <servobus/device/yako/drive.hpp>
+
+namespace servobus::yako {
+
+using axis_command = servobus::axis_command<prepared_command>;
+
+/// The model of a drive that moves an axis.
+template <class Device> class axis_model : public model<Device> {
+    using base = model<Device>;
+
+  public:
+    using prepared_command = axis_command;
+    using settings = typename base::settings;
+
+    constexpr axis_place& place() { return place_; }
+    constexpr const axis_place& place() const { return place_; }
+
+    constexpr void note(const block_feedback& r, const settings& known) {
+        base::note(r, known);
+        const auto raw = motion_under_way<Device>::position_in(r.words, known).count();
+        place_.follow(static_cast<std::uint32_t>(raw), r.epoch);
+    }
+    static constexpr prepared_command stop_for(stop_priority priority, const settings& known, bool is_first) {
+        return base::stop_for(priority, known, is_first);
+    }
+    /// A drive that counts otherwise than the program says is not taken over.
+    constexpr errc learn(prepared_command& c, const ending& e, settings& known) {
+        const bool is_kept = e.is_done && c.carries;
+        const bool is_init = e.is_done && c.then == effect::initialised;
+        c.carries = false;
+        const errc found = base::learn(c, e, known);
+        if (is_kept) place_.keep(c.rest);
+        if (!is_init || found != errc::ok || known.microsteps == place_.geometry().counts_of_motor_turn())
+            return found;
+        known = base::unknown;
+        c.steps = no_steps;
+        return errc::unexpected_value;
+    }
+
+  private:
+    axis_place place_{};
+};
+
+namespace detail {
+/// The speed of a motor as a count of the drive; `out_of_range` if it is not 0 and rounds to it.
+struct rounded_speed {
+    speed value{};
+    errc error = errc::ok;
+};
+constexpr rounded_speed speed_on(const axis& on, micrometres_per_second wanted,
+                                 const cached_settings& known) {
+    const result<motor_speed> exact = on.motor_speed_of(wanted);
+    if (!exact) return {{}, exact.error()};
+    std::int32_t tenths = exact->count();
+    if (known.resolution != speed_count::tenth_r_per_min) tenths = (tenths + (tenths < 0 ? -5 : 5)) / 10 * 10;
+    const bool is_lost = tenths == 0 && wanted.count() != 0;
+    return {speed{tenths}, is_lost ? errc::out_of_range : errc::ok};
+}
+struct rounded_profile {
+    motion_profile value{};
+    errc error = errc::ok;
+};
+/// The speeds of a profile have no direction.
+constexpr rounded_profile profile_on(const axis& on, const axis_profile& by, const cached_settings& known) {
+    if (by.is_stored()) return {};
+    const rounded_speed top = speed_on(on, by.top, known);
+    const rounded_speed start = speed_on(on, by.start, known);
+    const auto size = [&on](speed s) { return on.is_mirrored() ? -s : s; };
+    return {motion_profile{size(start.value), by.acceleration, by.deceleration, size(top.value)},
+            first_error(top.error, start.error)};
+}
+} // namespace detail
+
+/// To a place from the drive's home. Errors: as `yako::move_to`; `out_of_range`.
+constexpr axis_command plan_on_axis(const servobus::move_to& wanted, const axis_place& at,
+                                    const cached_settings& known) {
+    const axis& on = at.geometry();
+    const result<std::int32_t> counts = on.counts_of(wanted.place);
+    const auto by = detail::profile_on(on, wanted.by, known);
+    axis_command c = move_to{distance{counts.value_or(0)}, by.value}.plan(known);
+    c.refusal = detail::first_error(c.refusal, counts.error(), by.error);
+    return c;
+}
+/// Errors: as `yako::move_by`; `out_of_range`.
+constexpr axis_command plan_on_axis(const servobus::move_by& wanted, const axis_place& at,
+                                    const cached_settings& known) {
+    std::int32_t rest = 0;
+    const result<std::int32_t> counts = at.plan(wanted.way, rest);
+    const auto by = detail::profile_on(at.geometry(), wanted.by, known);
+    axis_command c = move_by{distance{counts.value_or(0)}, by.value}.plan(known);
+    c.refusal = detail::first_error(c.refusal, counts.error(), by.error);
+    c.rest = rest;
+    c.carries = true;
+    return c;
+}
+/// Errors: as `yako::velocity`; `out_of_range`.
+constexpr axis_command plan_on_axis(const servobus::move_at& wanted, const axis_place& at,
+                                    const cached_settings& known) {
+    const auto to = detail::speed_on(at.geometry(), wanted.speed, known);
+    axis_command c = velocity{to.value}.plan(known);
+    c.refusal = detail::first_error(to.error, c.refusal);
+    return c;
+}
+/// A mirrored axis has its lowest place where the drive counts highest. Errors: as `yako::limit_travel`; `out_of_range`.
+constexpr axis_command plan_on_axis(const servobus::limit_travel& wanted, const axis_place& at,
+                                    const cached_settings& known) {
+    const axis& on = at.geometry();
+    const result<std::int32_t> low = on.counts_of(on.is_mirrored() ? wanted.highest : wanted.lowest);
+    const result<std::int32_t> high = on.counts_of(on.is_mirrored() ? wanted.lowest : wanted.highest);
+    axis_command c = limit_travel{distance{high.value_or(0)}, distance{low.value_or(0)}}.plan(known);
+    c.refusal = detail::first_error(low.error(), high.error(), c.refusal);
+    return c;
+}
+/// Errors: as `yako::declare_position`; `out_of_range`.
+constexpr axis_command plan_on_axis(const servobus::declare_position& wanted, const axis_place& at,
+                                    const cached_settings& known) {
+    const result<std::int32_t> counts = at.geometry().counts_of(wanted.place);
+    axis_command c = declare_position{distance{counts.value_or(0)}}.plan(known);
+    c.refusal = detail::first_error(c.refusal, counts.error());
+    return c;
+}
+
+/// One drive on a line that moves an axis; `closed_loop::axis_drive` or `open_loop::axis_drive`. Commands of the drive
+/// itself stay in pulses.
+template <class Device, class Line>
+class basic_axis_drive : public servobus::axis_facade<basic_drive<Device, Line, axis_model<Device>>> {
+    using base = servobus::axis_facade<basic_drive<Device, Line, axis_model<Device>>>;
+
+  public:
+    constexpr basic_axis_drive(Line& on, std::uint8_t at, const axis& of, const optional_supervision& by = {})
+        : basic_axis_drive{on, servobus::node<Device>{at}, of, by} {}
+    /// With limits and gaps of its own.
+    constexpr basic_axis_drive(Line& on, const servobus::node<Device>& at, const axis& of,
+                               const optional_supervision& by = {})
+        : base{of, on, at, by} {}
+    basic_axis_drive(Line&, std::uint8_t, const axis&&, const optional_supervision& = {}) = delete;
+    basic_axis_drive(Line&, const servobus::node<Device>&, const axis&&,
+                     const optional_supervision& = {}) = delete; // it is referred to
+};
+
+namespace closed_loop {
+/// One closed loop drive on a line that moves an axis.
+template <class Line> class axis_drive : public basic_axis_drive<device, Line> {
+    using basic_axis_drive<device, Line>::basic_axis_drive;
+};
+template <class Line>
+axis_drive(Line&, std::uint8_t, const axis&, const optional_supervision& = {}) -> axis_drive<Line>;
+template <class Line>
+axis_drive(Line&, const servobus::node<device>&, const axis&, const optional_supervision& = {})
+    -> axis_drive<Line>;
+} // namespace closed_loop
+
+namespace open_loop {
+/// One open loop drive on a line that moves an axis.
+template <class Line> class axis_drive : public basic_axis_drive<device, Line> {
+    using basic_axis_drive<device, Line>::basic_axis_drive;
+};
+template <class Line>
+axis_drive(Line&, std::uint8_t, const axis&, const optional_supervision& = {}) -> axis_drive<Line>;
+template <class Line>
+axis_drive(Line&, const servobus::node<device>&, const axis&, const optional_supervision& = {})
+    -> axis_drive<Line>;
+} // namespace open_loop
+
+} // namespace servobus::yako

@@ -1,0 +1,185 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// ZLTECH ZLAC8015D: both hub motors as the wheels of a robot, which is driven by twists and says where it is. Programs
+// include it beside or in place of servobus/device/zlac8015d.hpp.
+//
+//     constexpr feed wheel = rolling(534_mm, counts_per_turn{4096}); // 4 x the encoder's lines, 2030h
+//     constexpr auto base = differential::of({.left = wheel, .right = mirrored(wheel), .track = 400_mm});
+//     zlac8015d::robot robot{wire, 1, base, {.command_timeout = milliseconds(300)}};
+//     if (!robot.run(init{}) || !robot.run(enable{}) || !robot.run(twist{400_mm_per_s, 250_mrad_per_s})) return 1;
+//     if (const plane_pose p = robot.pose(); p.is_continuous) std::printf("%d mm\n", int(p.x_mm().count()));
+#pragma once
+
+#include <cstdint>
+
+#include <servobus/axis/differential.hpp>
+#include <servobus/axis/odometry.hpp>
+#include <servobus/device/zlac8015d/drive.hpp>
+
+namespace servobus::zlac8015d {
+
+namespace routines {
+/// What the positions count in a turn of each wheel.
+inline constexpr step encoder_lines[] = {
+    steps::fetch<left_encoder_lines>(0),
+    steps::fetch<right_encoder_lines>(1),
+};
+} // namespace routines
+
+/// The model of a drive whose wheels carry a robot: each feedback counts once.
+class robot_model : public model {
+  public:
+    /// `on` must outlive the model.
+    constexpr void set_base(const differential& on) {
+        base_ = &on;
+        odometry_ = odometry{on.base()};
+    }
+    constexpr const differential& base() const { return *base_; }
+
+    constexpr const plane_pose& pose() const { return odometry_.pose(); }
+    /// The epoch of the positions that it is made of.
+    constexpr std::uint16_t epoch() const { return epoch_; }
+    constexpr void set_pose(const plane_pose& to) { odometry_.set(to); }
+
+    constexpr void note(const block_feedback& r, const settings& known) {
+        if (known.state == drive_state::needs_init) return; // counts from elsewhere after it
+        const u32 left = position(r.words + image::place_of<left_actual_position>);
+        const u32 right = position(r.words + image::place_of<right_actual_position>);
+        if (r.epoch != epoch_) odometry_.restart(left, right);
+        epoch_ = r.epoch;
+        (void)odometry_.update(left, right, r.taken);
+    }
+    /// Also a position that both wheels may have reached from zero, and not by their speeds from where they were: a restart
+    /// puts both to zero.
+    constexpr bool has_fallen(const block_feedback& r, const settings& known) const {
+        if (model::has_fallen(r, known)) return true;
+        const std::uint32_t ms = r.between.us >> 22 != 0 ? 4096u : r.between.us >> 10;
+        const axle& on = base_->base();
+        const wheel_step left = step_of(r, 0, ms, on.left()), right = step_of(r, 1, ms, on.right());
+        return left.is_near_zero && right.is_near_zero && (left.is_odd || right.is_odd);
+    }
+    /// After `init` the encoder's lines are read: a drive that counts otherwise than the program says is not taken over.
+    constexpr errc learn(prepared_command& c, const ending& e, settings& known) {
+        if (e.steps.data() == routine{routines::encoder_lines}.data()) {
+            if (!e.is_done) return errc::ok;
+            const bool is_as_said = counts_in(e.words[0]) == base_->base().left().counts_of_motor_turn() &&
+                                    counts_in(e.words[1]) == base_->base().right().counts_of_motor_turn();
+            if (is_as_said) known.state = drive_state::disabled;
+            return is_as_said ? errc::ok : errc::unexpected_value;
+        }
+        const bool is_initialised = e.is_done && c.then == effect::initialised;
+        const errc found = model::learn(c, e, known);
+        if (!is_initialised || found != errc::ok) return found;
+        known.state = drive_state::needs_init; // until the lines are known
+        c = {.steps = routines::encoder_lines, .then = effect::initialised};
+        return errc::ok;
+    }
+
+  private:
+    // How a wheel has come from one image to the next.
+    struct wheel_step {
+        bool is_near_zero; ///< it may have been at zero between them
+        bool is_odd;       ///< its speeds say otherwise
+    };
+    // By its speeds in both images, and a quarter more; a servo trembles by 5 counts.
+    static constexpr wheel_step step_of(const block_feedback& r, std::size_t wheel, std::uint32_t ms,
+                                        const feed& by) {
+        const std::size_t at = image::place_of<left_actual_position> + 2 * wheel;
+        const std::size_t turning = image::place_of<left_actual_speed> + wheel;
+        // Counts in the time at a speed in 0.1 r/min: 1 / 600'000 is 7 / 2^22, rounded up.
+        const auto way = [&](std::uint16_t tenths) {
+            const std::int32_t parts = static_cast<std::int16_t>(tenths) * static_cast<std::int32_t>(ms) >> 6;
+            return static_cast<std::int32_t>(std::int64_t{parts} * (by.counts_of_motor_turn() * 7) >> 16);
+        };
+        const std::int32_t before = way(r.before[turning]), now = way(r.words[turning]);
+        const std::int32_t low = before < now ? before : now, high = before < now ? now : before;
+        const std::int32_t farthest = high > -low ? high : -low;
+        const std::int32_t slack = (farthest >> 2) + 5;
+        const auto there = static_cast<std::int32_t>(position(r.words + at));
+        const auto moved = static_cast<std::int32_t>(position(r.words + at) - position(r.before + at));
+        return {there <= farthest + slack && there >= -farthest - slack,
+                moved < low - slack || moved > high + slack};
+    }
+    static constexpr u32 position(const std::uint16_t* w) {
+        return join_words(w[0], w[1], device::facts.word_order);
+    }
+    /// Four counts a line follow from the manual's example, 20480 for five turns of 4096 (section 3.2). 0 lines count as
+    /// the factory's 1024.
+    static constexpr std::uint32_t counts_in(std::uint16_t lines) {
+        return 4u * (lines == 0 ? 1024u : lines);
+    }
+
+    const differential* base_ = nullptr;
+    odometry odometry_{};
+    std::uint16_t epoch_ = 0;
+};
+
+namespace detail {
+/// A twist with the machine that it is of.
+struct twist_of {
+    const differential& base;
+    const twist& wanted;
+
+    constexpr prepared_command plan(const cached_settings& cached) const {
+        const wheel_speeds both = base.wheels(wanted, cached.resolution, limit_in(cached));
+        return {.steps = routines::velocity,
+                .arguments = {commands::as_word(both.left), commands::as_word(both.right)},
+                .then = effect::motion,
+                .refusal = needs(cached, operating_mode::velocity)};
+    }
+
+  private:
+    // In counts: beyond 2008h the drive raises a fault [errata B5].
+    static constexpr std::uint32_t limit_in(const cached_settings& cached) {
+        const std::uint32_t reached = std::uint32_t{cached.max_speed} * cached.resolution;
+        const auto most = static_cast<std::uint32_t>(left_target_speed.limits.high);
+        return reached < most ? reached : most;
+    }
+};
+} // namespace detail
+
+/// One ZLAC8015D on a line whose motors are the wheels of a robot; a `drive` with a pose.
+template <class Line> class robot : public drive<Line, robot_model> {
+    using base = drive<Line, robot_model>;
+
+  public:
+    constexpr robot(Line& wire, std::uint8_t at, const differential& on, const supervision& by)
+        : robot{wire, servobus::node<device>{at}, on, by} {}
+    /// With limits and gaps of its own.
+    constexpr robot(Line& wire, const servobus::node<device>& at, const differential& on,
+                    const supervision& by)
+        : base{wire, at, by} {
+        this->model().set_base(on);
+    }
+    robot(Line&, std::uint8_t, const differential&&, const supervision&) = delete; // it is referred to
+    robot(Line&, const servobus::node<device>&, const differential&&, const supervision&) = delete;
+
+    using base::begin;
+    using base::run;
+    /// Velocity mode: drives both wheels by a twist, rounded to whole counts of their speeds. Above the drive's limit, 2008h,
+    /// both slow down by one factor, so that the path is kept. Errors: `wrong_state`, `needs_init`.
+    routine_status run(const twist& wanted) {
+        return base::run(detail::twist_of{this->model().base(), wanted});
+    }
+    [[nodiscard]] constexpr errc begin(const twist& wanted) {
+        return base::begin(detail::twist_of{this->model().base(), wanted});
+    }
+
+    /// Where the robot was at the pose's time, when the request for the last feedback began to leave. It begins at x 0, y 0,
+    /// heading 0 with the first feedback. It is continuous unless the way since then is not known: no feedback yet, a
+    /// restart of the drive, `init`, a lost port, cleared positions. `set_pose` makes it continuous again.
+    constexpr plane_pose pose() const {
+        plane_pose p = this->model().pose();
+        const bool is_same = this->model().epoch() == this->machine().known().epoch_of_positions();
+        p.is_continuous = p.is_continuous && is_same && this->state() != drive_state::needs_init;
+        return p;
+    }
+    /// The pose is this one since the last feedback.
+    constexpr void set_pose(const plane_pose& here) { this->model().set_pose(here); }
+};
+template <class Line> robot(Line&, std::uint8_t, const differential&, const supervision&) -> robot<Line>;
+template <class Line>
+robot(Line&, const servobus::node<device>&, const differential&, const supervision&) -> robot<Line>;
+
+} // namespace servobus::zlac8015d

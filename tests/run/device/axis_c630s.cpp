@@ -1,0 +1,192 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// A C630S that moves an axis: segments, places, ways and speeds in lengths, judged by the simulated motor's own position, a
+// count of its encoder being 10000 / 131072 reference units; and the comparison of what a reference unit is worth.
+#include <cstdint>
+
+#include <doctest/doctest.h>
+
+#include <servobus/device/c630s/axis_drive.hpp>
+#include <tests/support/driven_c630s.hpp>
+
+namespace axis_c630s_tests {
+
+using namespace servobus;
+using namespace servobus::literals;
+
+namespace {
+
+constexpr auto ram = axis::of(lead(5_mm, counts_per_turn{10'000}));
+constexpr auto turned = axis::of(mirrored(lead(5_mm, counts_per_turn{10'000})));
+constexpr auto third = axis::of(lead(3_mm, counts_per_turn{10'000})); // 0.3 um a unit
+constexpr auto coarse = axis::of(lead(5_mm, counts_per_turn{1000}));
+constexpr axis_profile quick{.top = 50_mm_per_s, .acceleration = 50_ms, .deceleration = 50_ms};
+
+struct rig : simulated::simulated_c630s {
+    c630s::axis_drive<line_type> drive;
+
+    explicit rig(const axis& of, c630s::encoder_counts encoder = c630s::encoder_counts::unknown)
+        : drive{line, 1, of, {}, encoder} {}
+    /// Sets up, and enables it for places or ways.
+    void enable_for(c630s::displacement_type ways) {
+        REQUIRE(drive.run(init{}));
+        if (drive.state() == drive_state::needs_set_up) {
+            REQUIRE(drive.run(c630s::set_up{}));
+            model.power_cycle();
+            REQUIRE(drive.run(init{}));
+        }
+        REQUIRE(drive.run(c630s::position_segments{.type = ways}));
+        REQUIRE(drive.run(c630s::enable_in{c630s::control_mode::position}));
+    }
+    /// In reference units of 10000 a turn.
+    std::int64_t units() const { return (model.position() * 10'000 + 65'536) >> 17; }
+    /// How far the axis is from a place, um. A unit is 13 counts of the encoder, so that the motor may stand beside it.
+    std::int64_t off(micrometres place) {
+        REQUIRE(drive.read());
+        const std::int64_t d = drive.position(milliseconds(1000))->count() - place.count();
+        return d < 0 ? -d : d;
+    }
+    void set(std::uint16_t address, std::uint32_t value) {
+        const auto high = static_cast<std::uint16_t>(value >> 16), low = static_cast<std::uint16_t>(value);
+        const std::uint8_t words[]{static_cast<std::uint8_t>(low >> 8), static_cast<std::uint8_t>(low),
+                                   static_cast<std::uint8_t>(high >> 8), static_cast<std::uint8_t>(high)};
+        REQUIRE(model.write(address, words_view{words}) == 0);
+    }
+};
+constexpr auto places = c630s::displacement_type::absolute;
+constexpr auto ways = c630s::displacement_type::relative;
+
+} // namespace
+
+TEST_CASE("an axis goes to places by its own segment, and says where it is") {
+    rig r{ram};
+    r.enable_for(places);
+    CHECK(r.drive.run(servobus::move_to{12.5_mm, quick}, wait_reached{}).how == arrival_state::reached);
+    CHECK(r.units() == 25'000);
+    CHECK(r.off(12.5_mm) <= 1);
+    CHECK(r.drive.run(servobus::move_to{-0.4_mm, quick}, wait_reached{}).how == arrival_state::reached);
+    CHECK(r.units() == -800);
+    CHECK(r.off(-0.4_mm) <= 1);
+    CHECK(r.drive.begin(servobus::move_by{1_mm, quick}) == errc::wrong_state);
+}
+
+TEST_CASE("a mirrored axis, by segments that were set before") {
+    rig r{turned};
+    r.enable_for(places);
+    REQUIRE(r.drive.run(c630s::axis_segment{2, 7.5_mm, 20_mm_per_s, 100_ms}));
+    REQUIRE(r.drive.run(c630s::axis_segment{3, -2.5_mm, 20_mm_per_s}));
+    CHECK(r.drive.run(c630s::start_segment{2}, wait_reached{}).how == arrival_state::reached);
+    CHECK(r.units() == -15'000);
+    CHECK(r.off(7.5_mm) <= 1);
+    CHECK(r.drive.run(c630s::start_segment{3}, wait_reached{}).how == arrival_state::reached);
+    CHECK(r.units() == 5000);
+}
+
+TEST_CASE("ways do not drift, and the rest is kept over what is refused") {
+    rig r{third};
+    r.enable_for(ways);
+    std::int64_t commanded = 0;
+    for (int i = 1; i <= 30; ++i) {
+        REQUIRE(r.drive.run(servobus::move_by{100_um, quick}, wait_reached{}).how ==
+                arrival_state::reached); // 333.3 units
+        commanded += r.model.peek(servobus::at<c630s::position_segment_displacements, 15>.address);
+        CHECK(commanded == (i * 1000 + 1) / 3);
+        if (i % 5 == 0) CHECK(r.drive.run(halt{}).error() == errc::wrong_state);
+        if (i % 7 == 0) CHECK(r.drive.begin(servobus::move_by{2148_m, quick}) == errc::out_of_range);
+    }
+    CHECK(r.off(3000_um) <= 2); // the drive rounds each way to its encoder
+}
+
+TEST_CASE("speeds, in whole r/min of the motor") {
+    rig r{ram};
+    r.enable_for(places);
+    REQUIRE(r.drive.run(disable{}));
+    REQUIRE(r.drive.run(c630s::enable_in{c630s::control_mode::speed}));
+    REQUIRE(r.drive.run(servobus::move_at{-10.04_mm_per_s})); // 120.48 r/min
+    r.wire.pass(milliseconds(1500));
+    REQUIRE(r.drive.read());
+    const std::int32_t um_per_s = r.drive.speed(milliseconds(1000))->count();
+    CHECK(um_per_s >= -10'100);
+    CHECK(um_per_s <= -9'900);
+    CHECK(r.drive.begin(servobus::move_at{1_um_per_s}) == errc::out_of_range);
+    CHECK(r.drive.begin(servobus::move_at{2147_m_per_s}) == errc::out_of_range);
+    CHECK(r.drive.run(servobus::move_at{0_mm_per_s}));
+}
+
+TEST_CASE("bad input: nothing is sent") {
+    rig r{ram};
+    CHECK(r.drive.begin(servobus::move_to{1_mm, quick}) == errc::needs_init);
+    r.enable_for(places);
+    const std::size_t before = r.requests.size();
+    CHECK(r.drive.begin(servobus::move_to{1_mm}) == errc::bad_argument);
+    CHECK(r.drive.begin(servobus::move_to{1_mm, {.top = 5_mm_per_s, .acceleration = 10_ms}}) ==
+          errc::bad_argument);
+    CHECK(r.drive.begin(servobus::move_to{1_mm, {.top = 5_mm_per_s, .start = 1_mm_per_s}}) ==
+          errc::bad_argument);
+    CHECK(r.drive.begin(servobus::move_to{1_mm, {.top = 1_um_per_s}}) == errc::out_of_range);
+    CHECK(r.drive.begin(servobus::move_to{1_mm, {.top = -5_mm_per_s}}) == errc::out_of_range);
+    CHECK(r.drive.begin(servobus::move_to{1_mm, {.top = 510_mm_per_s}}) == errc::out_of_range); // 6120 r/min
+    CHECK(r.drive.begin(servobus::move_to{2148_m, quick}) == errc::out_of_range);
+    CHECK(r.drive.begin(servobus::move_to{1000_m, quick}) == errc::out_of_range); // 2e9 units
+    CHECK(r.drive.begin(c630s::axis_segment{1, 2148_m, 5_mm_per_s}) == errc::out_of_range);
+    CHECK(r.drive.begin(c630s::axis_segment{1, 1_mm, 0_mm_per_s}) == errc::out_of_range);
+    CHECK(r.requests.size() == before);
+}
+
+TEST_CASE("a stop between setting a segment and starting it: it is not started") {
+    rig r{ram};
+    r.enable_for(places);
+    std::size_t between = 0;
+    for (int turns = 1; turns < 400; ++turns) {
+        REQUIRE(r.drive.begin(servobus::move_to{turns % 2 == 0 ? 1_mm : 2_mm, quick}) == errc::ok);
+        for (int i = 0; i < turns && !r.drive.is_idle(); ++i) {
+            const duration idle = r.drive.step();
+            r.wire.wait(idle.us == 0 || idle.us > 200 ? microseconds(200) : idle);
+        }
+        if (r.drive.is_idle()) break;
+        const std::int64_t was = r.units();
+        REQUIRE(r.drive.run(disable{}));
+        r.wire.pass(milliseconds(300));
+        between += r.units() == was ? 1u : 0u;
+        CHECK(r.model.stands_still());
+        REQUIRE(r.drive.run(c630s::enable_in{c630s::control_mode::position}));
+    }
+    CHECK(between > 20);
+}
+
+TEST_CASE("a drive whose reference units are worth something else is not taken over") {
+    constexpr std::uint16_t pulses = c630s::pulses_per_revolution.address,
+                            gear = c630s::gear_1_numerator.address, below = c630s::gear_1_denominator.address;
+    SUBCASE("other pulses of a turn") {
+        rig r{coarse};
+        CHECK(r.drive.run(init{}).error() == errc::unexpected_value);
+        CHECK(r.drive.state() == drive_state::needs_init);
+        CHECK(r.drive.begin(servobus::move_at{1_mm_per_s}) == errc::needs_init);
+    }
+    SUBCASE("the gear says the same as the program, of this encoder") {
+        rig r{ram, c630s::encoder_counts::of_17_bits};
+        r.set(pulses, 0);
+        r.set(gear, 131'072);
+        r.set(below, 10'000);
+        CHECK(r.drive.run(init{}));
+        CHECK(r.drive.state() != drive_state::needs_init);
+    }
+    SUBCASE("the same of another encoder") {
+        rig r{ram, c630s::encoder_counts::of_23_bits};
+        r.set(pulses, 0);
+        r.set(gear, 131'072);
+        r.set(below, 10'000);
+        CHECK(r.drive.run(init{}).error() == errc::unexpected_value);
+    }
+    SUBCASE("the gear counts, and the program does not say which encoder") {
+        rig r{ram};
+        r.set(pulses, 0);
+        r.set(gear, 131'072);
+        r.set(below, 10'000);
+        CHECK(r.drive.run(init{}).error() == errc::unexpected_value);
+        CHECK(r.drive.state() == drive_state::needs_init);
+    }
+}
+
+} // namespace axis_c630s_tests

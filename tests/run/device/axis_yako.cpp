@@ -1,0 +1,191 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// A YAKO that moves an axis: places, ways, speeds and limits in lengths, judged by the simulated motor's own position and by
+// what its registers hold.
+#include <cmath>
+#include <cstdint>
+
+#include <doctest/doctest.h>
+
+#include <servobus/device/yako/axis_drive.hpp>
+#include <tests/support/simulated_yako.hpp>
+
+namespace axis_yako_tests {
+
+using namespace servobus;
+using namespace servobus::literals;
+using simulated::simulated_closed_loop;
+using simulated::simulated_open_loop;
+
+namespace {
+
+constexpr auto screw = axis::of(lead(5_mm, counts_per_turn{1000})); // 200 pulses a mm
+constexpr auto turned = axis::of(mirrored(lead(5_mm, counts_per_turn{1000})));
+constexpr auto third = axis::of(lead(3_mm, counts_per_turn{1000})); // 3 um a pulse
+constexpr auto other = axis::of(lead(5_mm, counts_per_turn{2000}));
+constexpr axis_profile quick{.top = 50_mm_per_s, .acceleration = 50_ms, .deceleration = 50_ms};
+
+struct closed : simulated_closed_loop {
+    yako::closed_loop::axis_drive<line_type> drive;
+    explicit closed(const axis& of, const optional_supervision& by = {}, sim::yako_options options = {})
+        : simulated_closed_loop{options}, drive{line, 1, of, by} {}
+};
+struct open : simulated_open_loop {
+    yako::open_loop::axis_drive<line_type> drive;
+    explicit open(const axis& of, const optional_supervision& by = {}) : drive{line, 1, of, by} {}
+};
+template <class Rig> struct ready : Rig {
+    explicit ready(const axis& of, const optional_supervision& by = {}) : Rig{of, by} {
+        REQUIRE(this->drive.run(init{}));
+        REQUIRE(this->drive.run(enable{}));
+        REQUIRE(this->drive.run(servobus::declare_position{0_mm}));
+    }
+    std::int64_t pulses() const { return this->model.view().position; }
+    /// Reads the feedback and says where the axis is.
+    micrometres place() {
+        REQUIRE(this->drive.read());
+        return *this->drive.position(milliseconds(100));
+    }
+    arrival_state to(const servobus::move_to& there) { return this->drive.run(there, wait_reached{}).how; }
+    arrival_state by(const servobus::move_by& way) { return this->drive.run(way, wait_reached{}).how; }
+    void loop(std::uint32_t ms) {
+        const std::uint64_t end = this->wire.time_us() + std::uint64_t{ms} * 1000u;
+        while (this->wire.time_us() < end) {
+            const duration idle = this->drive.step();
+            this->wire.wait(idle.us == 0 ? microseconds(10) : idle);
+        }
+    }
+};
+
+} // namespace
+
+TEST_CASE_TEMPLATE("an axis goes to places, and says where it is", Rig, closed, open) {
+    ready<Rig> r{screw};
+    CHECK(r.to({12.5_mm, quick}) == arrival_state::reached);
+    CHECK(r.pulses() == 2500);
+    CHECK(r.place() == 12.5_mm);
+    CHECK(r.to({-0.4_mm}) == arrival_state::reached); // by the profile that the drive holds
+    CHECK(r.pulses() == -80);
+    CHECK(r.place() == -0.4_mm);
+    CHECK(r.drive.arrival().missing == 0_mm);
+}
+
+TEST_CASE("a mirrored axis: commands, feedback, limits and declared places") {
+    ready<closed> r{turned};
+    CHECK(r.to({12.5_mm, quick}) == arrival_state::reached);
+    CHECK(r.pulses() == -2500);
+    CHECK(r.place() == 12.5_mm);
+    REQUIRE(r.drive.run(servobus::declare_position{20_mm}));
+    CHECK(r.place() == 20_mm);
+    REQUIRE(r.drive.run(yako::set_over_travel_stop{yako::over_travel_stop::emergency_stop}));
+    REQUIRE(r.drive.run(servobus::limit_travel{.lowest = 10_mm, .highest = 30_mm}));
+    const auto limit = [&](std::uint16_t at) {
+        const u32 raw = join_words(r.model.peek(at), r.model.peek(static_cast<std::uint16_t>(at + 1)),
+                                   word_order::high_first);
+        return static_cast<std::int32_t>(raw);
+    };
+    CHECK(limit(yako::positive_software_limit.address) == -2000);
+    CHECK(limit(yako::negative_software_limit.address) == -6000);
+    const axis_arrival far = r.drive.run(servobus::move_to{40_mm, quick}, wait_reached{});
+    CHECK(far.how == arrival_state::stopped_short);
+    CHECK(far.cause == stop_cause::software_limit);
+    CHECK(far.missing.count() > 9'000);
+    CHECK(far.missing.count() < 10'100);
+    REQUIRE(r.drive.run(servobus::move_at{-20_mm_per_s}));
+    r.loop(300);
+    CHECK(r.model.view().speed > 0);
+    REQUIRE(r.drive.read());
+    CHECK(r.drive.speed(milliseconds(100)).value_or({}) == -20_mm_per_s);
+}
+
+TEST_CASE("ways that are no whole number of pulses do not drift; what did not begin leaves no trace") {
+    ready<closed> r{third};
+    for (int i = 1; i <= 300; ++i) {
+        REQUIRE(r.by({100_um, quick}) == arrival_state::reached); // 33.3 pulses
+        CHECK(r.pulses() == (i * 100 + 1) / 3);
+        if (i % 10 == 0) CHECK(r.drive.begin(servobus::move_by{2148_m, quick}) == errc::out_of_range);
+        if (i % 20 != 0) continue;
+        REQUIRE(r.drive.begin(servobus::move_by{100_um, quick}) == errc::ok);
+        CHECK(r.drive.begin(servobus::move_by{50_um, quick}) == errc::busy);
+        while (!r.drive.is_idle()) (void)r.drive.step();
+        REQUIRE(r.drive.run(wait_reached{}));
+        REQUIRE(r.by({-100_um, quick}) == arrival_state::reached);
+    }
+    CHECK(r.place() == 30_mm);
+}
+
+TEST_CASE("the rest is kept over a halt, and dropped where the position is declared") {
+    ready<closed> r{third};
+    REQUIRE(r.by({100_um, quick}) == arrival_state::reached);
+    CHECK(r.pulses() == 33);
+    REQUIRE(r.drive.run(halt{}));
+    REQUIRE(r.by({100_um, quick}) == arrival_state::reached);
+    CHECK(r.pulses() == 67);
+    REQUIRE(r.by({100_um, quick}) == arrival_state::reached);
+    REQUIRE(r.by({100_um, quick}) == arrival_state::reached);
+    CHECK(r.pulses() == 133); // a third of a pulse is open
+    REQUIRE(r.drive.run(servobus::declare_position{0_mm}));
+    REQUIRE(r.drive.read());
+    REQUIRE(r.by({100_um, quick}) == arrival_state::reached);
+    REQUIRE(r.by({100_um, quick}) == arrival_state::reached);
+    CHECK(r.place() == 201_um); // 67 pulses
+}
+
+TEST_CASE("a drive that counts otherwise than the program says is not taken over") {
+    closed r{other};
+    CHECK(r.drive.run(init{}).error() == errc::unexpected_value);
+    CHECK(r.drive.state() == drive_state::needs_init);
+    CHECK(r.drive.begin(servobus::move_by{1_mm}) == errc::needs_init);
+    CHECK(r.drive.position(milliseconds(1000)).error() == errc::needs_init);
+    closed right{screw};
+    CHECK(right.drive.run(init{}));
+    CHECK(right.drive.position(milliseconds(1000)).error() == errc::timeout);
+    CHECK(right.drive.read());
+    CHECK(right.drive.position(milliseconds(1000)).value_or({1_mm}) == 0_mm);
+}
+
+TEST_CASE("bad input: nothing is sent") {
+    ready<closed> r{screw};
+    const std::size_t before = r.requests.size();
+    CHECK(r.drive.begin(servobus::move_to{2148_m}) == errc::out_of_range);
+    CHECK(r.drive.begin(servobus::move_to{-2148_m}) == errc::out_of_range);
+    CHECK(r.drive.begin(servobus::move_to{1_mm, {.top = 1_um_per_s}}) == errc::out_of_range);
+    CHECK(r.drive.begin(servobus::move_to{1_mm, {.top = 300_mm_per_s}}) == errc::out_of_range); // 3600 r/min
+    CHECK(r.drive.begin(servobus::move_to{1_mm, {.top = 2147_m_per_s}}) == errc::out_of_range);
+    CHECK(r.drive.begin(servobus::move_to{1_mm, {.top = 5_mm_per_s, .acceleration = 2001_ms}}) ==
+          errc::out_of_range);
+    CHECK(r.drive.begin(servobus::move_at{0_mm_per_s}) == errc::out_of_range);
+    CHECK(r.drive.begin(servobus::move_at{10_um_per_s}) == errc::out_of_range);
+    CHECK(r.drive.begin(servobus::limit_travel{.lowest = 1_mm, .highest = 1_mm}) == errc::bad_argument);
+    CHECK(r.drive.begin(servobus::limit_travel{.lowest = 1_mm, .highest = 2148_m}) == errc::out_of_range);
+    CHECK(r.drive.begin(servobus::declare_position{2148_m}) == errc::out_of_range);
+    CHECK(r.requests.size() == before);
+    CHECK(r.to({1_mm, quick}) == arrival_state::reached);
+    CHECK(r.pulses() == 200);
+}
+
+TEST_CASE("where the drive counts tenths of r/min, speeds are finer") {
+    ready<closed> r{screw};
+    const axis_profile slow{.top = 1.05_mm_per_s, .acceleration = 50_ms, .deceleration = 50_ms}; // 12.6 r/min
+    REQUIRE(r.to({1_mm, slow}) == arrival_state::reached);
+    CHECK(r.model.peek(yako::closed_loop::positioning_speed.address) == 13);
+    REQUIRE(r.drive.run(yako::set_speed_resolution{yako::speed_count::tenth_r_per_min}));
+    REQUIRE(r.to({2_mm, slow}) == arrival_state::reached);
+    CHECK(r.model.peek(yako::closed_loop::positioning_speed.address) == 126);
+}
+
+TEST_CASE("a restart: the place is not known, and begins anew after init") {
+    ready<closed> r{screw, {.feedback = milliseconds(20)}};
+    REQUIRE(r.to({12.5_mm, quick}) == arrival_state::reached);
+    r.loop(100);
+    CHECK(r.drive.position(milliseconds(100)).value_or({}) == 12.5_mm);
+    r.model.power_cycle();
+    r.loop(1000);
+    CHECK(!r.drive.position(milliseconds(100)));
+    REQUIRE(r.drive.run(init{}));
+    r.loop(100);
+    CHECK(r.drive.position(milliseconds(100)).value_or({1_mm}) == 0_mm);
+}
+
+} // namespace axis_yako_tests

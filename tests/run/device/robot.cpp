@@ -1,0 +1,182 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// A robot on a ZLAC8015D: twists on the wire, its pose against the simulated wheels, when a pose is not continuous, and a
+// drive that counts otherwise than the program says. robot_runs.cpp plays 10 000 random runs.
+#include <array>
+#include <cstdint>
+
+#include <doctest/doctest.h>
+
+#include <servobus/device/zlac8015d/parameters.hpp>
+#include <tests/support/driven_zlac8015d.hpp>
+#include <tests/support/robot_world.hpp>
+
+namespace robot_tests {
+
+using namespace servobus;
+using namespace servobus::literals;
+
+namespace {
+
+constexpr feed wheel = rolling(600_mm, counts_per_turn{4096}); // 100 r/min are 1 m/s
+constexpr auto base = differential::of({.left = wheel, .right = mirrored(wheel), .track = 500_mm});
+constexpr robots::machine machine{600, -600, 500, 1024};
+
+struct rig : robots::world {
+    explicit rig(duration feedback = milliseconds(20))
+        : world{machine, base, {}, {.feedback = feedback, .command_timeout = milliseconds(400)}} {}
+    void be_enabled() {
+        REQUIRE(robot.run(init{}));
+        REQUIRE(robot.run(enable{}));
+    }
+    /// Drives for a time.
+    void go(const twist& by, std::uint32_t ms) {
+        for (std::uint32_t t = 0; t < ms; t += 20) {
+            (void)robot.begin(by);
+            live(milliseconds(20));
+        }
+    }
+    long double off() const { return robots::distance(robot.pose(), *this, machine); }
+};
+constexpr twist forward{1_m_per_s, 0_rad_per_s}, curve{600_mm_per_s, 800_mrad_per_s}, none{};
+
+} // namespace
+
+TEST_CASE("twists become speeds of both wheels in one frame; above the limit both slow down") {
+    struct sender : simulated::driven_zlac8015d {
+        zlac8015d::robot<line_type> robot{line, 1, base, unsupervised};
+        std::size_t sent_speeds(std::int32_t left, std::int32_t right) {
+            const std::array words{static_cast<std::uint16_t>(left), static_cast<std::uint16_t>(right)};
+            return sent(modbus::write_frame(1, zlac8015d::left_target_speed.address, words));
+        }
+    } r;
+    REQUIRE(r.robot.run(init{}));
+    CHECK(r.robot.begin(forward) == errc::wrong_state);
+    REQUIRE(r.robot.run(enable{}));
+    REQUIRE(r.robot.run(twist{400_mm_per_s, 200_mrad_per_s})); // 35, 45 r/min
+    CHECK(r.sent_speeds(35, -45) == 1);
+    REQUIRE(r.robot.run(twist{-400_mm_per_s, 200_mrad_per_s}));
+    CHECK(r.sent_speeds(-45, 35) == 1);
+    REQUIRE(r.robot.run(twist{20_m_per_s, 40_rad_per_s})); // 1000 and 3000 r/min, 2008h is 1000
+    CHECK(r.robot.cached().max_speed == 1000);
+    CHECK(r.sent_speeds(333, -1000) == 1);
+    REQUIRE(r.robot.run(halt{}));
+    REQUIRE(r.robot.run(disable{}));
+    REQUIRE(r.robot.run(zlac8015d::resolution{10}));
+    REQUIRE(r.robot.run(enable{}));
+    REQUIRE(r.robot.run(twist{123_mm_per_s, 0_rad_per_s})); // 12.3 r/min
+    CHECK(r.sent_speeds(123, -123) == 1);
+    REQUIRE(r.robot.run(disable{}));
+    REQUIRE(r.robot.run(zlac8015d::enable_in{zlac8015d::operating_mode::torque}));
+    CHECK(r.robot.begin(forward) == errc::wrong_state);
+}
+
+TEST_CASE("a pose begins with the first feedback, says when it was true, and follows the wheels") {
+    rig r;
+    CHECK_FALSE(r.robot.pose().is_continuous);
+    REQUIRE(r.robot.run(init{}));
+    CHECK_FALSE(r.robot.pose().is_continuous);
+    REQUIRE(r.robot.read());
+    CHECK(r.robot.pose().is_continuous);
+    REQUIRE(r.robot.run(enable{}));
+    r.go(forward, 2000);
+    r.go(curve, 3000);
+    r.go(none, 1000);
+    const plane_pose p = r.robot.pose();
+    CHECK(p.is_continuous);
+    CHECK(since(p.time, r.line.now()) <= milliseconds(25));
+    CHECK(r.off() < 0.5L);
+    CHECK(p.x().count() > 1'000'000);
+    CHECK(p.heading().count() > 1'500'000);
+}
+
+TEST_CASE("an arc is not lost during blocking calls and stops") {
+    rig r;
+    r.be_enabled();
+    r.go(curve, 1000);
+    REQUIRE(r.robot.run(halt{}));
+    r.go(curve, 1000);
+    REQUIRE(r.robot.run(curve));
+    REQUIRE(r.robot.run(wait_standstill{milliseconds(300)}).error() == errc::not_reached);
+    REQUIRE(r.robot.run(quick_stop{}));
+    REQUIRE(r.robot.run(disable{}));
+    REQUIRE(r.robot.read());
+    CHECK(r.robot.pose().is_continuous);
+    CHECK(r.off() < 1);
+}
+
+TEST_CASE("a restart after 3.0 m straight, with the wheels rolling on") {
+    rig r;
+    r.be_enabled();
+    while (r.robot.pose().x() < 3_m) r.go(forward, 20);
+    CHECK(r.robot.pose().is_continuous);
+    CHECK(r.off() < 0.5L);
+    r.drive.power_cycle();
+    bool is_continuous = true;
+    for (int i = 0; i < 200; ++i) {
+        r.live(milliseconds(5));
+        const plane_pose p = r.robot.pose();
+        is_continuous = is_continuous && p.is_continuous;
+        if (p.is_continuous) CHECK(r.off() < 1);
+    }
+    CHECK_FALSE(is_continuous);
+    r.be_enabled();
+    r.go(forward, 200);
+    CHECK_FALSE(r.robot.pose().is_continuous);
+}
+
+TEST_CASE("a pose is not continuous after init, cleared positions, a lost port; set_pose makes it so") {
+    rig r;
+    r.be_enabled();
+    r.go(curve, 500);
+    SUBCASE("init") { REQUIRE(r.robot.run(init{})); }
+    SUBCASE("cleared positions") {
+        REQUIRE(r.robot.run(disable{}));
+        REQUIRE(r.robot.run(zlac8015d::clear_position{}));
+        r.live(milliseconds(100));
+    }
+    SUBCASE("a lost port") {
+        r.wire.unplug();
+        r.live(milliseconds(100));
+        CHECK_FALSE(r.robot.pose().is_continuous);
+        r.wire.plug();
+        REQUIRE(r.robot.run(init{}));
+    }
+    CHECK_FALSE(r.robot.pose().is_continuous);
+    r.be_enabled();
+    REQUIRE(r.robot.read());
+    CHECK_FALSE(r.robot.pose().is_continuous);
+    robots::tell(r, r.drive.at());
+    CHECK(r.robot.pose().is_continuous);
+    r.go(curve, 1000);
+    CHECK(r.robot.pose().is_continuous);
+    CHECK(r.off() < 0.5L);
+}
+
+TEST_CASE("a program that stalls on a straight way keeps its pose, and loses it in a curve") {
+    for (const bool is_straight : {true, false}) {
+        rig r;
+        r.be_enabled();
+        r.go(is_straight ? forward : curve, 1500);
+        r.wait(milliseconds(350));
+        r.live(milliseconds(40));
+        CHECK(r.robot.pose().is_continuous == is_straight);
+        if (is_straight) CHECK(r.off() < 0.5L);
+    }
+}
+
+TEST_CASE("a drive that counts otherwise than the program says is not taken over") {
+    for (const unsigned lines : {1024u, 4096u, 0u}) {
+        CAPTURE(lines);
+        robots::machine other = machine;
+        other.lines = lines;
+        robots::world w{other, base};
+        const bool is_right = lines != 4096; // 0 lines count as 1024
+        CHECK(static_cast<bool>(w.robot.run(init{})) == is_right);
+        CHECK((w.robot.state() == drive_state::disabled) == is_right);
+        if (!is_right) CHECK(w.robot.last().error() == errc::unexpected_value);
+    }
+}
+
+} // namespace robot_tests
