@@ -137,6 +137,8 @@ struct axis : seen::stepper {
         each("velocity", enable{}, yako::velocity{60 * r_per_min}, sim::turns());
         each("move_by", enable{}, yako::move_by{3000 * pulse, brisk}, sim::moves_by(3000));
         each("bounded_jog", enable{}, yako::bounded_jog{-2000 * pulse, brisk}, sim::moves_by(-2000));
+        const yako::hold down{-60 * r_per_min, milliseconds(50)};
+        each("hold", enable{}, down, sim::moves_by(down.reach({.microsteps = 1000}).count()));
         each("home", enable{}, homing{yako::homing::home_24}, sim::homes_at(home));
         each("set_profile", enable{}, yako::set_profile{brisk}, sim::changes_nothing());
         each("declare_position", enable{}, yako::declare_position{500 * pulse}, sim::hides_a_restart());
