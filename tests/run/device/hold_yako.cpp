@@ -178,6 +178,29 @@ TEST_CASE("a program that steps and does not repeat: the motor rests within the 
     }
 }
 
+TEST_CASE("at 9600 Bd a command takes 200 ms, and the motor turns from one to the next") {
+    simulated::simulated_model<sim::yako_closed_loop, sim::yako_options, 9600> a{
+        {.kept = sim::yako_kept::written}};
+    const std::uint8_t slow[]{0, static_cast<std::uint8_t>(baud_rate::baud_9600)};
+    REQUIRE(a.model.write(rs485_baud_rate.address, words_view{slow}) == 0);
+    a.model.power_cycle();
+    a.run(100);
+    closed_loop::drive axis{a.line, 1, unsupervised};
+    REQUIRE(axis.run(init{}));
+    REQUIRE(axis.run(enable{}));
+    const hold h{60 * r_per_min, milliseconds(200)};
+    for (int i = 0; i < 20; ++i) {
+        CHECK((i == 0 || a.model.view().is_moving));
+        const std::uint64_t from = a.wire.time_us();
+        REQUIRE(axis.run(h));
+        CHECK(a.wire.time_us() - from < 210'000);
+    }
+    const std::int64_t from = a.model.view().position;
+    a.run(3000);
+    CHECK_FALSE(a.model.view().is_moving);
+    CHECK(a.model.view().position - from <= h.reach(axis.cached()).count());
+}
+
 TEST_CASE_TEMPLATE("a hold needs no home, and keeps none from being lost", A, closed_axis, open_axis) {
     A a;
     take(a);

@@ -97,9 +97,8 @@ TEST_CASE("C630S: a speed is refused by its row or by P06-07 to P06-09, and why 
         const std::int64_t limit = v.count() < 0 ? -r.argument.limits.low : r.argument.limits.high;
         CHECK(limit == (least < 6000 ? least : 6000));
     }
-    CHECK(
-        b.of.seen() ==
-        "1449 accepted, 2491 out of range, 0 inexact, 0 bad argument, 560 for the state, 0 for other reasons");
+    CHECK(b.of.seen() == "1449 accepted, 2491 out of range, 0 inexact, 0 bad argument, 560 for the state, 0 "
+                         "for other reasons");
 }
 
 TEST_CASE("C630S: torques keep P07-09 and P07-10, and their limits and speeds their rows") {

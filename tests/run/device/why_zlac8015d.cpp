@@ -93,8 +93,9 @@ TEST_CASE("ZLAC8015D: a speed is refused by 2008h, by its count, or by 2088h, an
             if (!is_beyond_own) CHECK(why_not.argument.limited_by == 0x2088);
         }
     }
-    CHECK(b.of.seen() == "5607 accepted, 2058 out of range, 1315 inexact, 0 bad argument, 3020 for the state, "
-                         "0 for other reasons");
+    CHECK(b.of.seen() ==
+          "5607 accepted, 2058 out of range, 1315 inexact, 0 bad argument, 3020 for the state, "
+          "0 for other reasons");
 }
 
 TEST_CASE("ZLAC8015D: torques and positions keep 2090h, 208Ah, and half of it where they are absolute") {

@@ -43,13 +43,13 @@ struct hold {
     static constexpr duration longest = milliseconds(1000);
 
     speed target; ///< its sign is the direction
-    duration
-        every; ///< the longest time from one command to the next. One takes six frames: 20 ms at 115200 Bd
+    /// The longest time from one command to the next. One takes six frames: 35 ms at 115200 Bd, 200 ms at 9600 Bd.
+    duration every;
     time acceleration{100}; ///< 0..2000 ms
     time deceleration{100}; ///< 0..2000 ms
 
-    /// The way from the position seen to the target of one command: speed x (2 x `every` + 50 ms + `deceleration`), to
-    /// 1 %, and at least 1 pulse. The 50 ms are for the frames and the drive's start; the second `every` and half of the
+    /// The way from the position seen to the target of one command: speed x (2 x `every` + 50 ms + `deceleration`),
+    /// or at most 2 % and 32 pulses more. The 50 ms are for the frames and the drive's start; the second `every` and half of the
     /// deceleration are in hand for a late command.
     constexpr distance reach(const cached_settings& cached) const {
         const speed top = target.count() < 0 ? -target : target;
