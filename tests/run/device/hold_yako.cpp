@@ -80,7 +80,7 @@ template <class A> std::int64_t reach_of(const A& a, const hold& h) {
 
 TEST_CASE("the reach is the speed times twice the period, 50 ms and the deceleration, whatever a count and a "
           "turn are") {
-    for (const std::uint16_t microsteps : {400, 1000, 12'345, 51'200}) {
+    for (const std::uint16_t microsteps : std::initializer_list<std::uint16_t>{400, 1000, 12'345, 51'200}) {
         for (const std::int32_t tenths : {1, 10, 600, 6000, 30'000}) {
             for (const std::uint32_t ms : {1u, 20u, 50u, 100u, 1000u}) {
                 for (const std::int32_t ramp : {0, 100, 2000}) {
@@ -460,7 +460,7 @@ TEST_CASE("its arguments are checked before anything is sent") {
 
 TEST_CASE(
     "0.1 r/min and other microsteps: the speed is the commanded one, and the motor stops within the reach") {
-    for (const std::uint16_t microsteps : {400, 51'200}) {
+    for (const std::uint16_t microsteps : std::initializer_list<std::uint16_t>{400, 51'200}) {
         closed_axis a;
         const std::uint8_t word[]{static_cast<std::uint8_t>(microsteps >> 8),
                                   static_cast<std::uint8_t>(microsteps & 255)};

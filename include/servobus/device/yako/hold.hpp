@@ -49,16 +49,16 @@ struct hold {
     time deceleration{100}; ///< 0..2000 ms
 
     /// The way from the position seen to the target of one command: speed x (2 x `every` + 50 ms + `deceleration`),
-    /// or at most 2 % and 32 pulses more. The 50 ms are for the frames and the drive's start; the second `every` and half of the
-    /// deceleration are in hand for a late command.
+    /// or at most 2 % and 32 pulses more. The 50 ms are for the frames and the drive's start. The second `every` and half of
+    /// the deceleration leave time for a late command.
     constexpr distance reach(const cached_settings& cached) const {
         const speed top = target.count() < 0 ? -target : target;
         const std::uint32_t period = (every.us >> 10) + (every.us >> 15) + 1; // ms
-        const std::uint32_t time = 2 * period + delay_ms + static_cast<std::uint32_t>(deceleration.count());
+        const std::uint32_t ms = 2 * period + delay_ms + static_cast<std::uint32_t>(deceleration.count());
         // Shifts in place of divisions, which a small core lacks: 7 / 4096 / 1024 is 1 / 600 000 and 0.1 % more.
         const std::uint32_t pace =
             (static_cast<std::uint32_t>(top.count()) * cached.microsteps >> 12) * 7 + 7;
-        const std::uint32_t way = (pace >> 10) * time + ((pace & 1023u) * time >> 10) + 1;
+        const std::uint32_t way = (pace >> 10) * ms + ((pace & 1023u) * ms >> 10) + 1;
         return distance{static_cast<std::int32_t>(target.count() < 0 ? 0u - way : way)};
     }
     constexpr prepared_command plan(const cached_settings& cached) const {
