@@ -8,7 +8,7 @@
 #include <servobus/client/stepped_read.hpp>
 #include <servobus/client/stepped_write.hpp>
 #include <servobus/control/arguments.hpp>
-#include <servobus/device/c630s/registers.hpp>
+#include <servobus/device/c630s.hpp>
 #include <servobus/device/zlac8015d.hpp>
 #include <servobus/line/ring.hpp>
 #include <servobus/modbus/functions.hpp>
@@ -283,6 +283,7 @@ int main() {
     servobus::line wire{port, servobus::modbus::timing_at(57600)};
     zlac::drive wheels{wire, 1, unsupervised};
     (void)zlac::drive{wire, 1, {.feedback = milliseconds(20), .command_timeout = milliseconds(300)}};
+    (void)c630s::hold{60 * units::r_per_min, c630s::runs_on_without_line{}};
     constexpr auto on = zlac::enable_in{zlac::operating_mode::velocity};
     (void)on;
     auto all = make_bus<plan_12>(wire, wheels);

@@ -86,6 +86,7 @@ struct wheels : seen::wheels {
         const enable_in absolute{operating_mode::absolute_position};
         const enable_in single{operating_mode::relative_position, synchronisation::asynchronous};
         each("velocity", enable{}, zlac8015d::velocity{30 * r_per_min, 30 * r_per_min}, sim::turns());
+        each("hold", enable{}, zlac8015d::hold{30 * r_per_min, 30 * r_per_min}, sim::turns());
         each("left_velocity", enable{}, zlac8015d::left_velocity{30 * r_per_min}, sim::turns());
         each("torque", torque, zlac8015d::torque{3000 * milliampere, 3000 * milliampere}, sim::turns());
         each("move_by", relative, zlac8015d::move_by{2000 * pulse, 2000 * pulse}, sim::moves_by(2000));
@@ -137,6 +138,8 @@ struct axis : seen::stepper {
         each("velocity", enable{}, yako::velocity{60 * r_per_min}, sim::turns());
         each("move_by", enable{}, yako::move_by{3000 * pulse, brisk}, sim::moves_by(3000));
         each("bounded_jog", enable{}, yako::bounded_jog{-2000 * pulse, brisk}, sim::moves_by(-2000));
+        const yako::hold down{-60 * r_per_min, milliseconds(50)};
+        each("hold", enable{}, down, sim::moves_by(down.reach({.microsteps = 1000}).count()));
         each("home", enable{}, homing{yako::homing::home_24}, sim::homes_at(home));
         each("set_profile", enable{}, yako::set_profile{brisk}, sim::changes_nothing());
         each("declare_position", enable{}, yako::declare_position{500 * pulse}, sim::hides_a_restart());
@@ -207,6 +210,7 @@ template <class Interpretations = default_interpretation<sim::c630s_options>> st
         const enable_in positions{control_mode::position};
         const enable_in torque{control_mode::torque};
         each("velocity", enable{}, c630s::velocity{60 * r_per_min}, sim::turns());
+        each("hold", enable{}, c630s::hold{60 * r_per_min, c630s::runs_on_without_line{}}, sim::turns());
         each("jog", enable{}, c630s::jog{-60 * r_per_min}, sim::turns());
         each("torque", torque, c630s::torque{10 * percent}, sim::turns());
         each("start_segment", positions, c630s::start_segment{1}, sim::moves_by(3000));

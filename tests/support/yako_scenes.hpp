@@ -30,6 +30,8 @@ constexpr auto release_frame = modbus::write_frame(1, 0x002D, 0x0011);
 const motion_profile gentle{10 * r_per_min, 50 * millisecond, 50 * millisecond, 60 * r_per_min};
 const motion_profile brisk{10 * r_per_min, 20 * millisecond, 20 * millisecond, 300 * r_per_min};
 
+constexpr hold fast{600 * r_per_min, milliseconds(1), 10 * millisecond, 10 * millisecond};
+
 inline bool is_write(bytes f) { return modbus::is_write(f[1]); }
 inline bool is_stop(bytes f) {
     return same_bytes(f, stop_frame) || same_bytes(f, quick_stop_frame) || same_bytes(f, release_frame);
@@ -55,6 +57,7 @@ template <class A> void be_released(A& a) { take(a, disable{}); }
 template <class A> void run(A& a) { take(a, velocity{60 * r_per_min, 30 * millisecond, 30 * millisecond}); }
 template <class A> void move_shortly(A& a) { take(a, move_by{20 * pulse, gentle}); }
 template <class A> void move_on(A& a) { take(a, move_by{3000 * pulse, gentle}); }
+template <class A> void keep_on(A& a) { take(a, fast); }
 template <class A> void move_on_homed(A& a) { take_homed(a, move_by{3000 * pulse, gentle}); }
 template <class A> void have_an_alarm(A& a) {
     take(a);
@@ -131,6 +134,8 @@ template <class A> rows<A> commands_alike() {
         {"jog",                   take<A>,           command_to(velocity{60 * r_per_min}),                        runs<A>},
         {"bounded_jog",           take<A>,           command_to(bounded_jog{100 * pulse, brisk}),                  always<A>, 100},
         {"bounded_jog, stored",   take<A>,           command_to(bounded_jog{100 * pulse}),                         always<A>, 100},
+        {"hold",                  take<A>,           command_to(fast),                                       always<A>, fast.reach({.microsteps = 1000}).count()},
+        {"hold, going on",        keep_on<A>,        command_to(fast),                                       always<A>},
         {"declare_position",      take<A>,           command_to(declare_position{70'000 * pulse}),           is_homed<A>, 0},
         {"the same, low first",   take_low_first<A>, command_to(declare_position{70'000 * pulse}),           has_pair<A, 0x000A, 0x1170, 1>, 0},
         {"accept_position",        take_over_homed<A>, command_to(accept_position{}),                          is_homed<A>, 0},

@@ -37,17 +37,17 @@ template <class Model, class Line> class facade : public drive_view<Model, Line>
     /// Runs a command to its end. Waits; bounded by the routine's limits. The command timeout begins again
     /// meanwhile. Errors: the command's own; `preempted` if a stop replaced it.
     template <class Wanted> routine_status run(const Wanted& wanted) {
-        prepared_command next = commands::prepared(wanted, valid_settings());
+        prepared_command next = planned(wanted);
         return run_planned(next);
     }
 
     /// Starts a command; `step` moves it on. A stop replaces a command of lower priority and is sent right
     /// after the frame in flight. Errors: the command's own; `busy` if another command is under way;
     /// `needs_init`; `faulted`; `bad_argument` for a node address that the device cannot have, a feedback period
-    /// that is shorter than its frame and response, a drive that its bus refuses, or a plan with neither steps nor a
-    /// refusal. Nothing is sent then.
+    /// that is shorter than its frame and response, a drive that its bus refuses, a command that only the command timeout
+    /// ends (`needs_command_timeout`) where there is none, or a plan with neither steps nor a refusal. Nothing is sent then.
     template <class Wanted> [[nodiscard]] constexpr errc begin(const Wanted& wanted) {
-        prepared_command next = commands::prepared(wanted, valid_settings());
+        prepared_command next = planned(wanted);
         return accept(next);
     }
 
@@ -108,6 +108,14 @@ template <class Model, class Line> class facade : public drive_view<Model, Line>
     constexpr std::uint8_t losses() const { return line_->epoch(this->address()).losses; }
     // The cached settings, if they are still valid now.
     constexpr const settings& valid_settings() { return machine_.valid_settings(line_->now(), losses()); }
+    template <class Wanted> constexpr prepared_command planned(const Wanted& wanted) {
+        prepared_command next = commands::prepared(wanted, valid_settings());
+        if constexpr (requires { Wanted::needs_command_timeout; }) {
+            if (next.refusal == errc::ok && !machine_.slot().supervisors().has_limit())
+                next.refusal = errc::bad_argument;
+        }
+        return next;
+    }
     // The request for the feedback and its response take longer on the wire than the period.
     constexpr bool is_period_too_short() const {
         const auto& polling = machine_.known().polling();

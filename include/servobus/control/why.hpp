@@ -243,7 +243,7 @@ constexpr refusal refusal_of(const Command& wanted, const Settings& known) {
 /// Returns why `drive` has refused `wanted`; call it before another call of the drive. The error is `ok` if the plan of
 /// the command has no objection: the drive has refused it, or the facade for a reason of its own, such as another command
 /// under way (`busy`), the stop for a fault (`faulted`), a wait without a move, or a node address or feedback period that
-/// cannot be (`bad_argument`).
+/// cannot be, or a hold without a command timeout (`bad_argument`).
 template <class Drive, class Command> constexpr refusal why(const Drive& drive, const Command& wanted) {
     refusal r = commands::refusal_of(wanted, drive.cached());
     if (drive.state() == drive_state::faulted && r.error == errc::wrong_state) r.error = errc::faulted;

@@ -19,6 +19,7 @@
 #include <servobus/device/yako/common.hpp>
 #include <servobus/device/yako/drive.hpp>
 #include <servobus/device/yako/feedback.hpp>
+#include <servobus/device/yako/hold.hpp>
 #include <servobus/device/yako/homing.hpp>
 #include <servobus/device/yako/open_loop.hpp>
 #include <servobus/device/yako/parameters.hpp>

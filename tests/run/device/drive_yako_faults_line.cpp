@@ -148,6 +148,7 @@ TEST_CASE("G15: whatever the line does, starts, enable, alarm clear and save are
         once(start_relative_frame, move_by{100 * pulse, brisk});
         once(start_jog_frame, velocity{60 * r_per_min});
         once(start_relative_frame, bounded_jog{100 * pulse, brisk});
+        once(modbus::write_frame(1, 0x0027, 0x000D), hold{60 * r_per_min, milliseconds(50)});
         once(start_homing_frame,
              closed_loop::home{homing::home_24, {}, offset_handling::stay_position_zero, milliseconds(500)});
         once(save_frame, save{});

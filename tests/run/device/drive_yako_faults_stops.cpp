@@ -57,6 +57,7 @@ TEST_CASE("G25: a stop during any command is the next frame after the one in pro
         check(move_by{3000 * pulse, gentle}, is_quick);
         check(velocity{60 * r_per_min}, is_quick);
         check(bounded_jog{3000 * pulse, gentle}, is_quick);
+        check(hold{60 * r_per_min, milliseconds(50)}, is_quick);
         check(closed_loop::home{homing::home_24}, is_quick);
         check(enable{}, is_quick);
         check(save{}, is_quick);

@@ -41,7 +41,8 @@ struct bench {
                  .has_scale = !pick.one_in(16),
                  .has_profile = !pick.one_in(16),
                  .has_homing_profile = !pick.one_in(16),
-                 .is_homed = !pick.one_in(8)};
+                 .is_homed = !pick.one_in(8),
+                 .microsteps = 1000};
     }
     // r/min, in tenths.
     speed speed_near(std::int64_t low, std::int64_t high) {
@@ -112,9 +113,17 @@ TEST_CASE("YAKO: moves keep the profile's ranges, a way its 32 bits, and why say
         b.of.judge(velocity{v, rise, fall}, b.known,
                    {rule::that(0x001D, errc::out_of_range, v.count() != 0), s.r[0], s.r[1], s.r[2],
                     rule::range(0x001E, rise.count(), 0, 2000), rule::range(0x001F, fall.count(), 0, 2000)});
+        const speed top = v.count() < 0 ? -v : v;
+        const duration every{static_cast<std::uint32_t>(b.pick.value({1000, 1'000'000}))};
+        const three_rules t = b.speed_rules(0x0023, top, 0, 3000);
+        b.of.judge(hold{v, every, rise, fall}, b.known,
+                   {t.r[0], rule::range(0x0021, rise.count(), 0, 2000),
+                    rule::range(0x0022, fall.count(), 0, 2000), t.r[1], t.r[2],
+                    rule::that(0x0023, errc::out_of_range, v.count() != 0),
+                    rule::range(-1, every.us, 1000, 1'000'000)});
     }
-    CHECK(b.of.seen() == "1696 accepted, 5621 out of range, 636 inexact, 0 bad argument, 6399 for the state, "
-                         "148 for other reasons");
+    CHECK(b.of.seen() == "1786 accepted, 6953 out of range, 717 inexact, 0 bad argument, 7909 for the state, "
+                         "140 for other reasons");
 }
 
 TEST_CASE("YAKO: homing takes the methods of its device, offsets and handlings") {

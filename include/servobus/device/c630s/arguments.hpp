@@ -78,6 +78,9 @@ constexpr auto arguments(const run_speed_segments& c, const cached_settings&) {
 constexpr auto arguments(const velocity& c, const cached_settings& known) {
     return argument_list{detail::in_top_speeds(commands::argument<target_speed>(c.target), known)};
 }
+constexpr auto arguments(const hold& c, const cached_settings& known) {
+    return arguments(velocity{c.target()}, known);
+}
 constexpr auto arguments(const torque& c, const cached_settings& known) {
     const command_argument target = commands::argument<target_torque>(c.target);
     return argument_list{

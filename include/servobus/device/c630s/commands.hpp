@@ -223,6 +223,37 @@ struct velocity {
     }
 };
 
+using servobus::runs_on_without_line;
+
+/// Speed mode: turns at a speed for as long as the program repeats the command; `halt` ends it. As `velocity`, but for
+/// what ends it:
+/// - The program steps and stops repeating: the motor stops after the facade's command timeout. A blocking call counts as a
+///   repetition, as for every command timeout.
+/// - The program stops stepping, or the line is lost: **the motor turns on**, since the drive has no watchdog. So the
+///   command does not compile without `runs_on_without_line{}`.
+/// - The response is lost: the target is read back; where that fails too the state is `needs_init` (G21).
+/// - The drive restarts: its motor has no power, and the state is `needs_init`.
+/// Another speed, also of another sign, holds from then on, by `ramps`. Errors: as `velocity`; `bad_argument` without a
+/// command timeout: state one for the facade, whose default is none.
+class hold {
+  public:
+    static constexpr bool needs_command_timeout = true;
+
+    constexpr hold(speed target, runs_on_without_line) : target_{target} {}
+    template <bool IsNamed = false> constexpr explicit hold(speed) {
+        static_assert(IsNamed,
+                      "this motor turns on when the line is lost: hold{speed, runs_on_without_line{}}");
+    }
+
+    constexpr speed target() const { return target_; }
+    constexpr prepared_command plan(const cached_settings& cached) const {
+        return velocity{target_}.plan(cached);
+    }
+
+  private:
+    speed target_{};
+};
+
 /// Torque mode: the target, P07-03, in 0.1 % of the rated torque, within P07-09 and P07-10. What bounds the
 /// speed is `torque_speed_limits`; the factory's are 3000 r/min. No watchdog here either.
 struct torque {

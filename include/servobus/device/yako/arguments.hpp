@@ -13,6 +13,7 @@
 #include <cstdint>
 
 #include <servobus/control/why.hpp>
+#include <servobus/device/yako/hold.hpp>
 #include <servobus/device/yako/parameters.hpp>
 
 namespace servobus::yako {
@@ -76,6 +77,13 @@ constexpr auto arguments(const move_to& c, const cached_settings& known) {
 }
 constexpr auto arguments(const bounded_jog& c, const cached_settings& known) {
     return arguments(move_by{c.way, c.by}, known);
+}
+constexpr auto arguments(const hold& c, const cached_settings& known) {
+    const speed top = c.target.count() < 0 ? -c.target : c.target;
+    const command_argument to = detail::speed_argument<closed_loop::positioning_speed>(top, known);
+    return argument_list{commands::argument<acceleration_time>(c.acceleration),
+                         commands::argument<deceleration_time>(c.deceleration), to.only_if(top.count() != 0),
+                         commands::number(c.every.us, hold::shortest.us, hold::longest.us)};
 }
 constexpr auto arguments(const velocity& c, const cached_settings& known) {
     const command_argument to = detail::speed_argument<closed_loop::jog_speed>(c.target, known);

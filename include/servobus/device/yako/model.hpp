@@ -114,10 +114,13 @@ template <class Device> class model {
         // Bit 3 acts in positioning only (section 4.1): a jog or a homing would run on.
         if (c.then == effect::moved && s.is_moving() && !motion_.is_positioning()) return errc::busy;
         if (has(c.needs, requirement::homed) && !known.is_homed) return errc::needs_homing;
-        if (goes_on) {
+        if (goes_on && c.aim == nullptr) {
             motion_.note(motion_check::seen);
             c.steps = no_steps;
         } else if (is_motion(c.then)) {
+            if (c.aim != nullptr) {
+                if (const errc why = c.aim(c, now.image, known); why != errc::ok) return why;
+            }
             motion_.begin(c, now.image, known);
             if (c.then == effect::homed) lose_home(known);
         }
@@ -312,8 +315,9 @@ template <class Device> class model {
         known.marker[1] = first;
     }
     // 0020h..0023h hold what the command has written.
-    static constexpr void note_profile(const prepared_command& c, settings& known) {
+    constexpr void note_profile(const prepared_command& c, settings& known) {
         if (!c.has_profile && c.then != effect::profile_set) return;
+        if (c.then == effect::profile_set) motion_.end_creep(); // it has another profile
         known.has_profile = true;
         for (std::size_t i = 0; i < cached_settings::profile_words; ++i) known.profile[i] = c.arguments[i];
     }

@@ -70,7 +70,7 @@ template <class Device> class motion_under_way {
     /// Another one is commanded.
     constexpr void ask() { seen_ = motion_check::not_asked; }
     constexpr void note(motion_check what) { seen_ = what; }
-    /// No bounded jog is under way any more.
+    /// No bounded jog or hold is under way any more.
     constexpr void end_creep() { is_creeping_ = false; }
     constexpr void forget() {
         is_creeping_ = false;
@@ -96,10 +96,10 @@ template <class Device> class motion_under_way {
         before_ = position_in(w, known);
         pair_word_order_ = known.word_order;
         was_homed_ = s.is_homed();
-        was_moving_ = s.is_moving();
+        was_moving_ = s.is_moving() && c.then != effect::crept; // a hold has a target all the same
         is_positioning_ = c.then == effect::moved || c.then == effect::crept;
     }
-    /// True for a bounded jog under way in the same direction. The first image that shows it at rest has ended it.
+    /// True for a bounded jog or a hold under way in the same direction. The first image that shows it at rest has ended it.
     constexpr bool goes_on(const prepared_command& c, const std::uint16_t* w) const {
         const auto pace = static_cast<std::int16_t>(w[6]);
         const bool is_opposite = (pace > 0 && c.target < 0) || (pace < 0 && c.target > 0);
@@ -109,7 +109,7 @@ template <class Device> class motion_under_way {
     /// The motion was seen to begin.
     constexpr void keep_goal(const prepared_command& c) {
         // What an interrupting way is counted from is not stated [errata A59].
-        has_goal_ = c.has_target && (c.is_absolute || !was_moving_);
+        has_goal_ = c.has_target && c.aim == nullptr && (c.is_absolute || !was_moving_);
         goal_ = goal_of(c);
         const bool is_up = c.target > 0;
         is_beyond_range_ = !c.is_absolute && (is_up ? goal_ < before_ : before_ < goal_);
@@ -235,7 +235,7 @@ template <class Device> class motion_under_way {
     bool was_moving_ = false;
     bool is_positioning_ = false; // the last motion was a move to a place
     bool has_begun_ = false;
-    bool is_creeping_ = false; // a bounded jog is under way
+    bool is_creeping_ = false; // a bounded jog or a hold is under way
 };
 
 } // namespace servobus::yako

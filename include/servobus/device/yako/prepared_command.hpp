@@ -118,6 +118,8 @@ struct prepared_command {
     stop_priority stop = stop_priority::no_stop; ///< a stop is sent in any state and replaces another command
     std::int32_t target = 0;
     duration limit{};
+    /// Of a hold: puts in its target, once the position is seen. Null: the command has its target.
+    errc (*aim)(prepared_command&, const std::uint16_t* feedback, const cached_settings&) = nullptr;
 };
 
 namespace detail {

@@ -23,10 +23,13 @@ constexpr drive_states planned_states(const cached_settings&) {
     return drive_states{drive_state::needs_init, drive_state::disabled, drive_state::enabled,
                         drive_state::quick_stopped};
 }
-/// Lists the settings that `enable_in` chooses.
+/// Lists the settings that `enable_in` chooses, and that the watchdog's time (2000h) is not 0.
 constexpr void conditions(cached_settings& known, each_condition& each) {
     each.of<mode_of_operation>(known.mode);
     each.of<position_synchronisation>(known.starts);
+    bool has_watchdog = known.host_timeout != 0;
+    each.flag<host_timeout>(has_watchdog);
+    known.host_timeout = has_watchdog ? u16{1} : u16{0};
 }
 
 namespace detail {
@@ -57,6 +60,9 @@ constexpr auto arguments(const enable_in& c, const cached_settings&) {
 constexpr auto arguments(const velocity& c, const cached_settings& known) {
     return argument_list{detail::speed_argument<left_target_speed>(c.left, known),
                          detail::speed_argument<right_target_speed>(c.right, known)};
+}
+constexpr auto arguments(const hold& c, const cached_settings& known) {
+    return arguments(velocity{c.left, c.right}, known);
 }
 constexpr auto arguments(const left_velocity& c, const cached_settings& known) {
     return argument_list{detail::speed_argument<left_target_speed>(c.left, known)};

@@ -144,6 +144,27 @@ struct velocity {
     }
 };
 
+/// Velocity mode: both wheels at a speed for as long as the program repeats the command; `halt` ends it. As `velocity`, but
+/// something must stop the wheels when it is not repeated:
+/// - The program steps and stops repeating: they stop after the facade's command timeout. A blocking call counts as a
+///   repetition, as for every command timeout.
+/// - The program stops stepping, or the line is lost: the drive's watchdog stops them (2000h; `watchdog`).
+/// - The response is lost: the targets are read back; where that fails too the state is `needs_init` (G21).
+/// - The drive restarts: its motors have no power, and the state is `needs_init`.
+/// Another pair of speeds, also of other signs, holds from then on, by the drive's ramps. Errors: as `velocity`;
+/// `bad_argument` without a command timeout (`no_command_timeout`), `wrong_state` if 2000h is 0.
+struct hold {
+    static constexpr bool needs_command_timeout = true;
+    speed left;
+    speed right;
+
+    constexpr prepared_command plan(const cached_settings& cached) const {
+        prepared_command o = velocity{left, right}.plan(cached);
+        o.refusal = detail::first_error(o.refusal, cached.host_timeout == 0 ? errc::wrong_state : errc::ok);
+        return o;
+    }
+};
+
 /// Velocity mode: the left wheel alone; the right one keeps its target.
 struct left_velocity {
     speed left;
