@@ -29,13 +29,13 @@ inline void an_axle_in_lowest_terms_is_below_2_62_counts_times_nm() {}
 namespace detail {
 /// The ratios of an axle.
 struct axle_ratios {
-    std::uint64_t left_turn = 0;      ///< what the axle turns in a count, in 2^-64 turn, modulo 2^64
-    std::uint64_t right_turn = 0;     ///< likewise
-    std::int64_t left_arc = 0;        ///< half the travel of a count, in 2^-40 um, negative if mirrored
-    std::int64_t right_arc = 0;       ///< likewise
-    std::uint32_t most_counts = 0;    ///< of a step: 2^20, or 8.3 m of one wheel
-    std::int32_t most_difference = 0; ///< of the half travels of both wheels in a step, in 2^-8 um: 0.4 rad
-    std::uint32_t half_track = 0;     ///< um of a wheel's travel for a urad of the axle, in parts of 2^29
+    std::uint64_t left_turn;      ///< what the axle turns in a count, in 2^-64 turn, modulo 2^64
+    std::uint64_t right_turn;     ///< likewise
+    std::int64_t left_arc;        ///< half the travel of a count, in 2^-40 um, negative if mirrored
+    std::int64_t right_arc;       ///< likewise
+    std::uint32_t most_counts;    ///< of a step: 2^20, or 8.3 m of one wheel
+    std::int32_t most_difference; ///< of the half travels of both wheels in a step, in 2^-8 um: 0.4 rad
+    std::uint32_t half_track;     ///< um of a wheel's travel for a urad of the axle, in parts of 2^29
 };
 } // namespace detail
 
@@ -62,18 +62,20 @@ class axle {
     constexpr const detail::axle_ratios& ratios() const { return ratios_; }
 
   private:
-    consteval explicit axle(const parts& p) : parts_{p} {
-        const auto track_nm = static_cast<std::uint64_t>(p.track.count());
-        ratios_.left_turn = 0 - turn(p.left, track_nm);
-        ratios_.right_turn = turn(p.right, track_nm);
-        ratios_.left_arc = arc(p.left);
-        ratios_.right_arc = arc(p.right);
+    consteval explicit axle(const parts& p)
+        : parts_{p}, ratios_{ratios_of(p, static_cast<std::uint64_t>(p.track.count()))} {}
+
+    static consteval detail::axle_ratios ratios_of(const parts& p, std::uint64_t track_nm) {
         const std::uint32_t left = most_counts(p.left);
         const std::uint32_t right = most_counts(p.right);
-        ratios_.most_counts = left < right ? left : right;
-        ratios_.most_difference = static_cast<std::int32_t>(track_nm * 512 / 10'000);
-        ratios_.half_track =
-            static_cast<std::uint32_t>(detail::nearest_of(track_nm, std::uint32_t{1} << 29, 2'000'000'000));
+        return {.left_turn = 0 - turn(p.left, track_nm),
+                .right_turn = turn(p.right, track_nm),
+                .left_arc = arc(p.left),
+                .right_arc = arc(p.right),
+                .most_counts = left < right ? left : right,
+                .most_difference = static_cast<std::int32_t>(track_nm * 512 / 10'000),
+                .half_track = static_cast<std::uint32_t>(
+                    detail::nearest_of(track_nm, std::uint32_t{1} << 29, 2'000'000'000))};
     }
 
     // travel / counts / track / 2 pi

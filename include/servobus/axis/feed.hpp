@@ -50,7 +50,8 @@ class feed {
     consteval scale um_of_count() const { return scale::of(travel(), 1000 * counts()); }
     /// The counts of a um, exactly; a ratio that is too fine does not compile.
     consteval scale counts_of_um() const { return scale::of(1000 * counts(), travel()); }
-    /// The counts of speed, each worth `count` of the motor's r/min, of a um/s. It may be rounded by 2^-26 of itself.
+    /// The counts of speed, each worth `count` of the motor's r/min, of a um/s. It may be rounded, see `close_to`
+    /// of a scale.
     consteval scale speed_counts_of_um_per_s(unit count) const {
         return scale::close_to(std::uint64_t{60'000} * gear_.motor_turns * count.denominator,
                                travel() * count.numerator);
@@ -88,7 +89,7 @@ class feed {
     }
 
   private:
-    constexpr feed(std::uint32_t travel_nm, counts_per_turn counts, gear ratio, count_direction direction)
+    consteval feed(std::uint32_t travel_nm, counts_per_turn counts, gear ratio, count_direction direction)
         : travel_nm_{travel_nm}, counts_{counts}, gear_{ratio}, direction_{direction} {}
 
     std::uint32_t travel_nm_;

@@ -46,21 +46,20 @@ class scale {
         return scale{numerator / common, denominator / common};
     }
 
-    /// The ratio `numerator / denominator`, or if that is too fine one that differs from it by less than 2^-26 of
-    /// itself. For speeds: they are not added up.
+    /// The ratio `numerator / denominator`, or if that is too fine one that differs from it by at most 2^-30, or 2^-32 of
+    /// itself. For speeds, which are not added up. A ratio below 2^-30 does not compile.
     static consteval scale close_to(std::uint64_t numerator, std::uint64_t denominator) {
         if (numerator == 0 || denominator == 0) {
             detail::a_scale_is_a_ratio_above_0();
             return {};
         }
         const std::uint64_t common = detail::greatest_divisor(numerator, denominator);
-        numerator /= common;
-        denominator /= common;
-        while (!fits(numerator, denominator)) {
-            numerator = numerator / 2 + numerator % 2;
-            denominator = denominator / 2 + denominator % 2;
-        }
-        return of(numerator, denominator);
+        if (common == 0 || fits(numerator / common, denominator / common)) return of(numerator, denominator);
+        // Long division takes 62 bits of the denominator.
+        for (; denominator > std::uint64_t{1} << 62; denominator /= 2) numerator /= 2;
+        std::uint64_t parts = std::uint64_t{1} << 29;
+        while (parts > 1 && numerator / denominator >= (std::uint64_t{1} << 32) / parts) parts /= 2;
+        return of(detail::nearest_of(numerator, parts, denominator), parts);
     }
 
     /// Converts `x`: the whole number nearest to `x * numerator / denominator` and the rest of earlier conversions.

@@ -39,6 +39,7 @@ static_assert(rolling(1_um, counts_per_turn{1}, gear{65535, 1}).counts() == 6553
 // Speeds: 600 mm a turn are 100 r/min at 1 m/s.
 constexpr feed round = rolling(600_mm, counts_per_turn{16384});
 static_assert(round.speed_counts_of_um_per_s(units::r_per_min).nearest(1'000'000).value() == 100);
+static_assert(round.speed_counts_of_um_per_s(10 * unit{measure::r_per_min}).nearest(1'000'000).value() == 10);
 static_assert(round.speed_counts_of_um_per_s(units::r_per_min / 10).nearest(1'000'000).value() == 1000);
 static_assert(rolling(600_mm, counts_per_turn{16384}, gear{3, 1})
                   .speed_counts_of_um_per_s(units::r_per_min)
@@ -83,6 +84,7 @@ TEST_CASE("the ratios of an axle are the nearest integers") {
         CHECK(is_nearest(r.half_track, track / 1e9L / 2 * std::ldexp(1.0L, 29)));
         CHECK(is_nearest(r.most_difference + 0.5L, 0.2L * track / 1000 * 256));
     }
+    CHECK(lead_screw.gear_ratio().motor_turns == 37);
     const detail::axle_ratios& r = of_fine_counts.ratios();
     CHECK(r.right_arc * 1000 == doctest::Approx(static_cast<double>(r.left_arc) * 1001));
     CHECK(static_cast<double>(r.right_turn) * 1000 ==

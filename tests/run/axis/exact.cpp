@@ -1,13 +1,16 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// The arithmetic of 128 bits that computes scales and axles, against the compiler's own where there is one.
+// The arithmetic of 128 bits that computes scales and axles, against the compiler's own where there is one; products by
+// parts, as small cores compute them.
 #include <cstdint>
 #include <random>
 
 #include <doctest/doctest.h>
 
 #include <servobus/axis/detail/exact.hpp>
+#include <servobus/axis/detail/high_word.hpp>
+#include <servobus/axis/detail/is_beyond.hpp>
 
 namespace exact_tests {
 
@@ -37,6 +40,11 @@ TEST_CASE("a * b / c by parts: c times the quotient and a rest below c are a * b
         const uint64_t b = random() >> random() % 64;
         const uint64_t c = (random() >> (1 + random() % 63)) | 1;
         const uint64_t quotient = floor_of(a, b, c);
+        const uint64_t common = greatest_divisor(a, c);
+        are_equal &= a % common == 0 && c % common == 0 && greatest_divisor(a / common, c / common) == 1;
+        // Below 2^32 each, a 64-bit division says the same.
+        const uint64_t x = a >> 32, y = b >> 33, z = (c >> 33) + 1;
+        are_equal &= nearest_of(x, y, z) == (2 * x * y / z + 1) / 2;
         are_equal &= a * b - quotient * c < c;
 #ifdef __SIZEOF_INT128__
         __extension__ using wide = unsigned __int128;
@@ -45,5 +53,25 @@ TEST_CASE("a * b / c by parts: c times the quotient and a rest below c are a * b
     }
     CHECK(are_equal);
 }
+
+TEST_CASE("the upper half of a product, whole and by parts") {
+    using servobus::detail::high_word;
+    using servobus::detail::high_word_by_parts;
+    std::mt19937 random{43};
+    bool are_equal = high_word_by_parts(0xFFFF'FFFF, 0xFFFF'FFFF) == 0xFFFF'FFFE &&
+                     high_word_by_parts(0x1'0000, 0x1'0000) == 1;
+    for (int i = 0; i < 20'000; ++i) {
+        const auto a = static_cast<std::uint32_t>(random() >> random() % 32);
+        const auto b = static_cast<std::uint32_t>(random() >> random() % 32);
+        const auto expected = static_cast<std::uint32_t>(uint64_t{a} * b >> 32);
+        are_equal &= high_word(a, b) == expected && high_word_by_parts(a, b) == expected;
+    }
+    CHECK(are_equal);
+}
+
+using servobus::detail::is_beyond;
+static_assert(!is_beyond(0, 0) && is_beyond(1, 0) && is_beyond(-1, 0));
+static_assert(!is_beyond(0x7FFF'FFFF, 0x7FFF'FFFF) && !is_beyond(-0x7FFF'FFFF, 0x7FFF'FFFF));
+static_assert(is_beyond(-0x7FFF'FFFF - 1, 0x7FFF'FFFF) && is_beyond(0x7FFF'FFFF, 0x7FFF'FFFE));
 
 } // namespace exact_tests

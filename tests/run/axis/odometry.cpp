@@ -180,6 +180,20 @@ TEST_CASE("a kilometre that wanders at 10 Hz") {
     }
 }
 
+TEST_CASE("a kilometre of slalom: all steps turn by 0.05 rad, to both sides") {
+    for (const axle* on : {&base, &uneven}) {
+        const axis_paths::lengths of = axis_paths::lengths_of(*on);
+        axis_paths::wheel_at_speed left{of.left_count};
+        axis_paths::wheel_at_speed right{of.right_count};
+        both b{*on};
+        for (int i = 0; i < 20'000; ++i) {
+            const number side = (i % 4 < 2 ? 0.025L : -0.025L) * of.track;
+            (void)b.step(left.counts(50'000 - side), right.counts(50'000 + side));
+        }
+        check_kilometre("slalom", b);
+    }
+}
+
 TEST_CASE("any registers: no step is added that is too long to be true") {
     std::mt19937 random{49};
     odometry o = started();

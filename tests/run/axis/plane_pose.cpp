@@ -19,13 +19,16 @@ using std::uint64_t;
 
 constexpr plane_pose fine(int64_t x, int64_t y, uint64_t heading) { return {x, y, heading, {}, true}; }
 
-static_assert(plane_pose{}.x() == 0_um && plane_pose{}.heading() == 0_urad && plane_pose{}.is_continuous);
+static_assert(plane_pose{}.x_fine == 0 && plane_pose{}.y_fine == 0 && plane_pose{}.heading() == 0_urad &&
+              plane_pose{}.is_continuous);
 static_assert(plane_pose::at(1_um, -1_um, 0_urad).x() == 1_um &&
               plane_pose::at(1_um, -1_um, 0_urad).y() == -1_um);
 static_assert(plane_pose::at(1_um, 2_um, 3_urad, {4}).time == instant{4});
 static_assert(plane_pose::at(549'755_m, -549'755_m, 0_urad).x() == 549'755_m);
 static_assert(plane_pose::at(549'756_m, 0_um, 0_urad).x().count() == (int64_t{1} << 39) - 1, "limited");
 static_assert(plane_pose::at(-549'756_m, 0_um, 0_urad).x().count() == 1 - (int64_t{1} << 39));
+
+static_assert(plane_pose::at(0_um, 0_um, 0_urad).is_continuous);
 
 // mm
 static_assert(plane_pose::at(1499_um, -1499_um, 0_urad).x_mm() == 1_mm);
@@ -56,7 +59,7 @@ TEST_CASE("millimetres are the nearest ones") {
         const int64_t rest = ((um - mm * 1000) << 24) + below;
         if (rest >= int64_t{500} << 24) ++mm;
         are_nearest &= fine(x, -1, 0).x_mm().count() == mm && fine(0, x, 0).y_mm().count() == mm;
-        are_nearest &= fine(x, 0, 0).x().count() == um;
+        are_nearest &= fine(x, 0, 0).x().count() == um && fine(0, x, 0).y().count() == um;
     }
     CHECK(are_nearest);
 }

@@ -37,7 +37,19 @@ static_assert(!scale::of(2, 1).is_exact(largest), "what does not convert is not 
 // A ratio that is too fine has one close to it.
 static_assert(scale::close_to(3, 4).numerator() == 3 && scale::close_to(3, 4).denominator() == 4);
 constexpr scale close = scale::close_to(600'000, 652'194'637);
-static_assert(close.nearest(largest).value() == 1'975'622); // 1'975'622.1
+static_assert(close.nearest(largest).value() == 1'975'624); // 1'975'622.1, at most 2 off
+
+// 7 / 2^31 is 1.75 / 2^29
+static_assert(scale::close_to(7, 0x8000'0000).numerator() == 1 &&
+              scale::close_to(7, 0x8000'0000).denominator() == 1 << 28);
+static_assert(scale::close_to(1, 1 << 29).denominator() == 1 << 29);
+static_assert(scale::close_to(1'000'001, 536'870'913).numerator() == 1'000'001 &&
+              scale::close_to(1'000'001, 536'870'913).denominator() == 1 << 29);
+static_assert(scale::close_to(0x1'FFFF'FFFF, 0x2000'0001).nearest(1'000'000).value() == 16'000'000);
+static_assert(scale::close_to(0x1'0000'0001, 3).nearest(1).value() == 0x5555'5556);
+static_assert(scale::close_to(0xFFFF'FFFF'FFFF'FFFF, 0x1'0000'0001).most() == 0, "4294967295 to 1");
+static_assert(scale::close_to(0x4000'0000'0000'0001, 0x8000'0000'0000'0003).nearest(1'000'000).value() ==
+              500'000);
 
 // The same by a division. |x * numerator| < 2^63.
 struct division {
@@ -90,13 +102,14 @@ TEST_CASE("a conversion is the division, rounded to the nearest") {
         bool are_equal = true;
         for (int i = 0; i < 20'000; ++i) {
             // All sizes alike, and the ends of the range.
-            auto x = static_cast<int32_t>(static_cast<uint32_t>(random()) >> (1 + random() % 31));
+            auto x = static_cast<int32_t>(static_cast<std::uint32_t>(random()) >> (1 + random() % 31));
             if (i % 16 == 0) x = s.most() - static_cast<int32_t>(random() % 3);
             if (x < 0) x = 0;
             if (random() % 2 == 0) x = -x;
             int32_t carry =
-                i % 3 == 0 ? 0
-                           : static_cast<int32_t>(random() % static_cast<uint32_t>(s.denominator())) - half;
+                i % 3 == 0
+                    ? 0
+                    : static_cast<int32_t>(random() % static_cast<std::uint32_t>(s.denominator())) - half;
             if (i % 16 == 1) carry = -half;
             if (i % 16 == 2) carry = s.denominator() - half - 1;
             const int32_t before = carry;
@@ -114,6 +127,15 @@ TEST_CASE("a conversion is the division, rounded to the nearest") {
         if (s.most() != largest)
             CHECK((int64_t{s.most()} + 1) * s.numerator() > int64_t{largest} * s.denominator());
     }
+}
+
+TEST_CASE("what is exact leaves no rest") {
+    constexpr scale s = scale::of(5, 4);
+    int exact = 0;
+    for (int32_t x = -10; x <= 10; ++x) exact += s.is_exact(x);
+    CHECK(exact == 5);
+    CHECK(s.nearest(3).value() == 4);
+    CHECK(!s.is_exact(largest));
 }
 
 TEST_CASE("conversions add up to one product") {

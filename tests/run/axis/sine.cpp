@@ -41,6 +41,14 @@ TEST_CASE("the error of sine and cosine is at most 3.7e-9") {
     CHECK(worst / one <= 3.7e-9);
 }
 
+static_assert(sizeof(servobus::detail::quarter_sine) == 65 * sizeof(int32_t));
+
+TEST_CASE("each entry of the table is the nearest integer") {
+    constexpr double turn = 6.283185307179586476925286766559;
+    for (int32_t n = 0; n <= 64; ++n)
+        CHECK(servobus::detail::quarter_sine[n] == std::lround(std::sin(n * turn / 256) * one));
+}
+
 TEST_CASE("the ends of the table's intervals") {
     constexpr double turn = 6.283185307179586476925286766559;
     for (uint32_t entry = 0; entry < 256; ++entry) {
