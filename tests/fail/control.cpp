@@ -8,6 +8,7 @@
 #include <servobus/client/stepped_read.hpp>
 #include <servobus/client/stepped_write.hpp>
 #include <servobus/control/arguments.hpp>
+#include <servobus/control/take_over.hpp>
 #include <servobus/device/c630s/registers.hpp>
 #include <servobus/device/zlac8015d.hpp>
 #include <servobus/line/ring.hpp>
@@ -274,6 +275,7 @@ int main() {
     (void)stepper.run(yako::open_loop::home{yako::homing::home_24});
     (void)stepper.run(yako::open_loop::home{yako::homing::home_24});
     (void)stepper.run(yako::set_speed_segment{16, 60 * units::r_per_min});
+    (void)stepper.run(servobus::take_over{servobus::disable{}, yako::save{}});
     (void)request_27;
     (void)request_28;
     (void)request_29;

@@ -6,6 +6,7 @@
 
 #include <servobus/client/stepped_read.hpp>
 #include <servobus/client/stepped_write.hpp>
+#include <servobus/control/take_over.hpp>
 #include <servobus/device/c630s.hpp>
 #include <servobus/device/yako.hpp>
 #include <servobus/device/zlac8015d.hpp>
@@ -37,4 +38,9 @@ bool moves(c630s::drive<wire>& spindle) {
     using namespace c630s;
     return spindle.run(init{}) && spindle.run(enable{}) && spindle.run(disable{}) &&
            spindle.feedback(milliseconds(100));
+}
+bool is_taken_over(zlac8015d::drive<wire>& wheels, c630s::drive<wire>& spindle) {
+    using namespace zlac8015d;
+    return wheels.run(take_over{with_fault_reset{}, resolution{10}, watchdog{500 * millisecond}}) &&
+           spindle.run(take_over{c630s::set_up{}, c630s::torque_limits{40 * percent, 40 * percent}});
 }
