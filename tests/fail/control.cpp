@@ -5,6 +5,7 @@
 #include <array>
 
 #include <servobus/any_device.hpp>
+#include <servobus/client/settings_on_one_line.hpp>
 #include <servobus/client/stepped_read.hpp>
 #include <servobus/client/stepped_write.hpp>
 #include <servobus/control/arguments.hpp>
@@ -20,6 +21,7 @@
 #include "../../examples/own_device/own_subject.hpp"
 #include "basin.hpp"
 #include "chassis.hpp"
+#include "gauge.hpp"
 #include "program.hpp"
 #include "served.hpp"
 
@@ -276,6 +278,12 @@ int main() {
     (void)stepper.run(yako::open_loop::home{yako::homing::home_24});
     (void)stepper.run(yako::set_speed_segment{16, 60 * units::r_per_min});
     (void)stepper.run(servobus::take_over{servobus::disable{}, yako::save{}});
+    constexpr auto shared = servobus::settings_on_one_line<9600>(servobus::node<zlac::device>{1},
+                                                                 servobus::node<c630s::device>{2});
+    (void)shared;
+    constexpr auto formats =
+        servobus::settings_on_one_line(servobus::node<gauge>{1}, servobus::node<c630s::device>{2});
+    (void)formats;
     (void)request_27;
     (void)request_28;
     (void)request_29;

@@ -4,6 +4,7 @@
 // The facades of all drives on a serial port: commands, moves until arrival, feedback, steps. This file is only compiled.
 #include <servobus/servobus.hpp>
 
+#include <servobus/client/settings_on_one_line.hpp>
 #include <servobus/client/stepped_read.hpp>
 #include <servobus/client/stepped_write.hpp>
 #include <servobus/control/take_over.hpp>
@@ -44,3 +45,7 @@ bool is_taken_over(zlac8015d::drive<wire>& wheels, c630s::drive<wire>& spindle) 
     return wheels.run(take_over{with_fault_reset{}, resolution{10}, watchdog{500 * millisecond}}) &&
            spindle.run(take_over{c630s::set_up{}, c630s::torque_limits{40 * percent, 40 * percent}});
 }
+
+constexpr auto shared = settings_on_one_line(node<zlac8015d::device>{1}, node<yako::closed_loop::device>{2},
+                                             node<c630s::device>{3});
+errc open(posix::serial& port) { return port.open("/dev/ttyUSB0", posix::settings_of(shared)); }
