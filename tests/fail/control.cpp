@@ -9,6 +9,7 @@
 #include <servobus/client/stepped_read.hpp>
 #include <servobus/client/stepped_write.hpp>
 #include <servobus/control/arguments.hpp>
+#include <servobus/control/setpoint_loop.hpp>
 #include <servobus/control/take_over.hpp>
 #include <servobus/device/c630s/registers.hpp>
 #include <servobus/device/zlac8015d.hpp>
@@ -284,6 +285,8 @@ int main() {
     constexpr auto formats =
         servobus::settings_on_one_line(servobus::node<gauge>{1}, servobus::node<c630s::device>{2});
     (void)formats;
+    servobus::setpoint_loop lift{stepper, servobus::take_over{servobus::disable{}}};
+    (void)lift;
     (void)request_27;
     (void)request_28;
     (void)request_29;

@@ -47,11 +47,12 @@ template <class Drive, class Setting> constexpr void check_setting() {
 /// - `reading`, `needs_init`: the drive has restarted meanwhile
 /// - `reading`, `faulted`: `with_fault_reset`, and the drive has a fault again
 template <class... Settings> class take_over {
-    static constexpr bool resets = detail::asks_for_reset<Settings...>;
-    static constexpr std::size_t size = sizeof...(Settings) - (resets ? 1u : 0u);
+    static constexpr std::size_t size = sizeof...(Settings) - (detail::asks_for_reset<Settings...> ? 1u : 0u);
     static_assert(size < 255, "a take-over has at most 254 settings");
 
   public:
+    /// True with `with_fault_reset{}`.
+    static constexpr bool resets_faults = detail::asks_for_reset<Settings...>;
     using status_of_parts = take_over_status;
 
     constexpr explicit take_over(const Settings&... settings) : settings_{settings...} {}
@@ -67,12 +68,14 @@ template <class... Settings> class take_over {
     }
 
     /// Begins the parts one by one, for a program that steps them: `apply` gives the one that is due.
-    constexpr detail::take_over_progress begin() const { return detail::take_over_progress{resets, size}; }
+    constexpr detail::take_over_progress begin() const {
+        return detail::take_over_progress{resets_faults, size};
+    }
     /// Calls `f` with the command of `Drive` that is due, and returns what it does.
     template <class Drive, class F> constexpr auto apply(const detail::take_over_progress& at, F&& f) const {
         (detail::check_setting<Drive, Settings>(), ...);
         if (at.due() == take_over_part::init) return f(servobus::init{});
-        if constexpr (resets) {
+        if constexpr (resets_faults) {
             if (at.due() == take_over_part::fault_reset) return f(fault_reset{});
         }
         if constexpr (size != 0) {
@@ -90,7 +93,7 @@ template <class... Settings> class take_over {
 
   private:
     constexpr const auto& list() const {
-        if constexpr (resets) {
+        if constexpr (resets_faults) {
             return settings_.rest;
         } else {
             return settings_;
