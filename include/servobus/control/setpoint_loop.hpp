@@ -49,8 +49,9 @@ struct no_setpoints {
 ///     setpoint_loop loop{wheels, take_over{zlac8015d::resolution{10}}, enable{}, setpoints<zlac8015d::velocity>{}};
 ///
 /// **Motion never begins by itself.** It is allowed from an `enable()` of the program on, once the drive is enabled by it,
-/// until a stop through the loop, a fault, a wired stop or limit switch, or a loss: a restart, a lost port, an outcome
-/// that is not known. After each of them another `enable()` must follow. A setpoint that was given before `enable()` is
+/// until a stop through the loop, a fault, a wired stop or limit switch, a setpoint that was not carried out, or a loss: a
+/// restart, a lost port, an outcome that is not known. After each of them another `enable()` must follow. (A YAKO's wired
+/// stop shows by a setpoint that is not carried out only: one that ends before the next setpoint is not seen.) A setpoint that was given before `enable()` is
 /// never begun. A setpoint that has become old is not begun again, so that the drive's command timeout stops it; the next
 /// one that the program gives moves the drive again. Like every facade it is not a safety function.
 ///
@@ -143,6 +144,10 @@ class setpoint_loop {
         const stop_cause why = drive_->cause();
         return why == stop_cause::fault || why == stop_cause::input || why == stop_cause::restart;
     }
+    // A setpoint that was not carried out: a wired stop that only shows by that may keep the motor at rest.
+    static constexpr bool shows_stop(errc e) {
+        return e == errc::not_executed || e == errc::not_reached || e == errc::stopped_short;
+    }
     constexpr void watch() {
         const drive_state before = seen_;
         seen_ = drive_->state();
@@ -175,6 +180,7 @@ class setpoint_loop {
             reports_.note_success(ended);
             return false;
         }
+        if (ended == loop_part::setpoint && shows_stop(how.error())) withdraw();
         if (ended == loop_part::enable && how && seen_ == drive_state::enabled) allow_motion();
         return reports_.note({.what = ended, .how = how});
     }

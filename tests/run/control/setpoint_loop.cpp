@@ -633,6 +633,40 @@ TEST_CASE("a lift is moved through its loop") {
     CHECK(loop.begin(y::move_by{500 * pulse, slow}) == errc::wrong_state);
 }
 
+TEST_CASE("a stepper that a wired stop has stopped stays at rest once that is released") {
+    simulated::closed_axis r;
+    setpoint_loop loop{r.drive, take_over{disable{}, y::set_input{y::input::x3, y::input_function::stop}},
+                       enable{}, setpoints<y::bounded_jog>{}};
+    constexpr y::motion_profile slow{5 * r_per_min, 100 * millisecond, 100 * millisecond, 60 * r_per_min};
+    unsigned refused = 0;
+    const auto go = [&](std::uint32_t ms) {
+        const std::uint64_t end = r.wire.time_us() + std::uint64_t{ms} * 1000;
+        while (r.wire.time_us() < end) {
+            loop.set({200 * pulse, slow});
+            const duration idle = loop.step();
+            if (const loop_report ended = loop.take_report(); ended.how.error() == errc::not_executed)
+                ++refused;
+            r.wire.wait(idle.us == 0 ? microseconds(10) : idle);
+        }
+    };
+    go(1000);
+    loop.enable();
+    go(1000);
+    CHECK(r.place() > 300);
+    r.model.set_input(3, true);
+    go(1000);
+    CHECK(refused == 1);
+    CHECK(r.drive.state() == drive_state::enabled);
+    CHECK_FALSE(loop.is_motion_allowed());
+    const std::int64_t stopped_at = r.place();
+    r.model.set_input(3, false);
+    go(2000);
+    CHECK(r.place() == stopped_at);
+    loop.enable();
+    go(1000);
+    CHECK(r.place() > stopped_at + 300);
+}
+
 TEST_CASE("a C630S waits in its loop for its power cycle, and is enabled in its mode") {
     simulated::driven_c630s r;
     setpoint_loop loop{r.drive, take_over{c::set_up{}, c::torque_limits{40 * percent, 40 * percent}},
