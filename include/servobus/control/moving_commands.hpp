@@ -37,9 +37,7 @@ concept planned_by_default = requires {
 template <class Model, class Command> consteval bool is_moving_command() {
     if constexpr (std::same_as<Command, enable> || stated_to_move<Command>) {
         return true;
-    } else if constexpr (stated_not_to_move<Command>) {
-        return false;
-    } else if constexpr (planned_by_default<Model, Command>) {
+    } else if constexpr (!stated_not_to_move<Command> && planned_by_default<Model, Command>) {
         constexpr auto then = Command{}.plan(Model::unknown).then;
         constexpr command_kind kind = Model::kinds[then];
         return kind == command_kind::endless_motion || kind == command_kind::move || Model::kinds.moves(then);
