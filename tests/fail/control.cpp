@@ -5,10 +5,14 @@
 #include <array>
 
 #include <servobus/any_device.hpp>
+#include <servobus/client/settings_on_one_line.hpp>
 #include <servobus/client/stepped_read.hpp>
 #include <servobus/client/stepped_write.hpp>
 #include <servobus/control/arguments.hpp>
 #include <servobus/device/c630s.hpp>
+#include <servobus/control/setpoint_loop.hpp>
+#include <servobus/control/take_over.hpp>
+#include <servobus/device/c630s/registers.hpp>
 #include <servobus/device/zlac8015d.hpp>
 #include <servobus/line/ring.hpp>
 #include <servobus/modbus/functions.hpp>
@@ -19,6 +23,7 @@
 #include "../../examples/own_device/own_subject.hpp"
 #include "basin.hpp"
 #include "chassis.hpp"
+#include "gauge.hpp"
 #include "program.hpp"
 #include "served.hpp"
 
@@ -274,6 +279,15 @@ int main() {
     (void)stepper.run(yako::open_loop::home{yako::homing::home_24});
     (void)stepper.run(yako::open_loop::home{yako::homing::home_24});
     (void)stepper.run(yako::set_speed_segment{16, 60 * units::r_per_min});
+    (void)stepper.run(servobus::take_over{servobus::disable{}, yako::save{}});
+    constexpr auto shared = servobus::settings_on_one_line<9600>(servobus::node<zlac::device>{1},
+                                                                 servobus::node<c630s::device>{2});
+    (void)shared;
+    constexpr auto formats =
+        servobus::settings_on_one_line(servobus::node<gauge>{1}, servobus::node<c630s::device>{2});
+    (void)formats;
+    servobus::setpoint_loop lift{stepper, servobus::take_over{servobus::disable{}}};
+    (void)lift;
     (void)request_27;
     (void)request_28;
     (void)request_29;

@@ -29,6 +29,8 @@ struct twist {
     quantity<unit{measure::microradian_per_second}> turn{};
 };
 
+void moves_or_energises(const twist*); // no take-over has it
+
 /// The speeds of both wheels, in counts of the drives.
 struct wheel_speeds {
     std::int32_t left = 0;

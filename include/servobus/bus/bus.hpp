@@ -109,6 +109,11 @@ class bus : detail::cyclic_reads<Plan, Line, Drives...> {
         }
         return drive.last();
     }
+    /// Blocking: runs a command that is made of others, such as `take_over`. Returns which of them failed, and how.
+    template <class Drive, commands::made_of_commands Wanted>
+    typename Wanted::status_of_parts run(Drive& drive, const Wanted& wanted) {
+        return wanted.run_by(drive, [&](const auto& part) { return this->run(drive, part); });
+    }
     /// Blocking: runs a move of one drive and waits for its end. Returns what `drive.run(move, end)` does.
     template <class Drive, class Move, class End>
     auto run(Drive& drive, const Move& move, const End& end) -> decltype(drive.arrival(end)) {

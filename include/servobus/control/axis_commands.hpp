@@ -56,6 +56,11 @@ struct declare_position {
     micrometres place;
 };
 
+// No take-over has them.
+void moves_or_energises(const move_to*);
+void moves_or_energises(const move_by*);
+void moves_or_energises(const move_at*);
+
 /// Where the last move of an axis has come to.
 struct axis_arrival {
     arrival_state how = arrival_state::none;

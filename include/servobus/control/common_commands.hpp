@@ -54,6 +54,12 @@ struct wait_reached {
 struct read_feedback {};
 
 namespace commands {
+/// A command that is made of others, which a facade runs one after the other, such as `take_over`.
+template <class Wanted>
+concept made_of_commands = requires {
+    typename Wanted::status_of_parts;
+};
+
 /// A command made ready by its own `plan`, or, for a common one, by the device's.
 template <class Command, class Settings>
 constexpr auto prepared(const Command& wanted, const Settings& known) {

@@ -40,6 +40,10 @@ template <class Model, class Line> class facade : public drive_view<Model, Line>
         prepared_command next = planned(wanted);
         return run_planned(next);
     }
+    /// Runs a command that is made of others, such as `take_over`. Waits. Returns which of them failed, and how.
+    template <commands::made_of_commands Wanted> typename Wanted::status_of_parts run(const Wanted& wanted) {
+        return wanted.run_by(*this, [this](const auto& part) { return this->run(part); });
+    }
 
     /// Starts a command; `step` moves it on. A stop replaces a command of lower priority and is sent right
     /// after the frame in flight. Errors: the command's own; `busy` if another command is under way;

@@ -60,6 +60,15 @@ constexpr serial_settings settings_of(const profile& facts) {
         .baud = facts.baud, .format = facts.format, .rs485 = false, .keeps_echo = false, .low_latency = true};
 }
 
+/// What the devices of a line share, as `settings_on_one_line` finds it.
+constexpr serial_settings settings_of(const uart_settings& shared) {
+    return {.baud = shared.baud,
+            .format = shared.format,
+            .rs485 = false,
+            .keeps_echo = false,
+            .low_latency = true};
+}
+
 namespace detail {
 
 /// The system's constant for a standard baud rate; B0 if it has none. macOS has none above 230400.

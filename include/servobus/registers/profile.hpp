@@ -46,6 +46,22 @@ class exception_table {
 /// Parity and stop bits; there are always eight data bits.
 enum class character_format : std::uint8_t { n81, n82, e81, o81 };
 
+constexpr const char* text(character_format f) {
+    switch (f) {
+    case character_format::n81: return "8N1";
+    case character_format::n82: return "8N2";
+    case character_format::e81: return "8E1";
+    case character_format::o81: return "8O1";
+    }
+    return "unknown";
+}
+
+/// How the UARTs of all devices on a line are set.
+struct uart_settings {
+    std::uint32_t baud; ///< bits a second
+    character_format format;
+};
+
 /// The properties of a device. A device class has them as `static constexpr profile facts`.
 struct profile {
     const char* name;

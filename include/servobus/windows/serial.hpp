@@ -52,6 +52,11 @@ constexpr serial_settings settings_of(const profile& facts) {
     return {.baud = facts.baud, .format = facts.format, .rs485 = false, .keeps_echo = false};
 }
 
+/// What the devices of a line share, as `settings_on_one_line` finds it.
+constexpr serial_settings settings_of(const uart_settings& shared) {
+    return {.baud = shared.baud, .format = shared.format, .rs485 = false, .keeps_echo = false};
+}
+
 namespace detail {
 
 /// The device name of a port: `\\.\COM10` for `COM10`. Without the prefix Windows finds COM1 to COM9 only.

@@ -305,4 +305,7 @@ constexpr prepared_command plan(read_feedback, const cached_settings& cached) {
     return {.steps = routines::feedback, .then = effect::seen, .refusal = detail::needs_word_order(cached)};
 }
 
+/// By which a take-over knows it: the plan shows no motion.
+void moves_or_energises(const enable_in*);
+
 } // namespace servobus::c630s

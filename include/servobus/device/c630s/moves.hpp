@@ -235,4 +235,12 @@ struct select_speed_segment {
     }
 };
 
+/// By which a take-over knows what moves the motor although its plan reads the drive first.
+void moves_or_energises(const start_segment*);
+void moves_or_energises(const start_segments*);
+void moves_or_energises(const make_step*);
+void moves_or_energises(const home*);
+void moves_or_energises(const home_electrically*);
+void moves_or_energises(const select_speed_segment*);
+
 } // namespace servobus::c630s

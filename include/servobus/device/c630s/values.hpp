@@ -14,6 +14,7 @@
 
 #include <cstdint>
 
+#include <servobus/registers/line_choices.hpp>
 #include <servobus/registers/profile.hpp>
 #include <servobus/registers/wire.hpp>
 
@@ -40,6 +41,15 @@ struct device {
         .format = character_format::n82,
         .limits = {.response = milliseconds(100), .echoes_byte_count = true}, // [errata C2]
         .exceptions = exceptions};
+    /// P0C-02 and P0C-03, immediately; kept while P0C-13 is 1, as by `change_line`.
+    static constexpr rate_choice rates[] = {{2'400, 0},  {4'800, 1},  {9'600, 2},
+                                            {19'200, 3}, {38'400, 4}, {57'600, 5}};
+    static constexpr format_choice formats[] = {{character_format::n82, 0},
+                                                {character_format::e81, 1},
+                                                {character_format::o81, 2},
+                                                {character_format::n81, 3}};
+    static constexpr line_choices on_line{
+        .rates = rates, .formats = formats, .rate_register = 0x0C02, .format_register = 0x0C03};
 };
 
 /// P03-38, P03-43, P0A-03, P0A-12, P0A-33, P0C-09, P0C-11, P0C-13

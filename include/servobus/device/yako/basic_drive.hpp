@@ -86,6 +86,10 @@ class basic_drive : public facade<Model, Line> {
         check_variant<Wanted>();
         return base::run(wanted);
     }
+    /// Runs a command that is made of others, such as `take_over`. Waits. Returns which of them failed, and how.
+    template <commands::made_of_commands Wanted> typename Wanted::status_of_parts run(const Wanted& wanted) {
+        return wanted.run_by(*this, [this](const auto& part) { return this->run(part); });
+    }
     /// Starts a command; `step` moves it on. Errors: those of the command.
     template <class Wanted> [[nodiscard]] constexpr errc begin(const Wanted& wanted) {
         check_variant<Wanted>();

@@ -14,6 +14,7 @@
 
 #include <cstdint>
 
+#include <servobus/registers/line_choices.hpp>
 #include <servobus/registers/profile.hpp>
 #include <servobus/registers/wire.hpp>
 
@@ -44,6 +45,18 @@ struct device {
                                    .format = character_format::n81,
                                    .limits = {.corrupted_request = 1, .acknowledge = 0}, // [errata A3, A4]
                                    .exceptions = exceptions};
+    /// 0014h and 0015h, from the next power-on; saved first, since it is not stated what is lost else [errata A53].
+    static constexpr rate_choice rates[] = {{115'200, 0}, {38'400, 1}, {19'200, 2}, {9'600, 3}};
+    static constexpr format_choice formats[] = {{character_format::n81, 0},
+                                                {character_format::n82, 1},
+                                                {character_format::e81, 2},
+                                                {character_format::o81, 3}};
+    static constexpr line_choices on_line{.rates = rates,
+                                          .formats = formats,
+                                          .rate_register = 0x0014,
+                                          .format_register = 0x0015,
+                                          .needs_save = true,
+                                          .needs_power_cycle = true};
 };
 
 namespace detail {

@@ -380,4 +380,7 @@ constexpr prepared_command plan(read_feedback, const cached_settings& cached) {
     return {.steps = routines::feedback, .then = effect::seen, .refusal = detail::needs_init_done(cached)};
 }
 
+/// By which a take-over knows it: its plan for an unknown mode does not show it.
+void moves_or_energises(const enable_in*);
+
 } // namespace servobus::zlac8015d

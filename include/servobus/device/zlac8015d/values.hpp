@@ -13,6 +13,7 @@
 
 #include <cstdint>
 
+#include <servobus/registers/line_choices.hpp>
 #include <servobus/registers/profile.hpp>
 #include <servobus/registers/wire.hpp>
 
@@ -31,6 +32,11 @@ struct device {
                                    .baud = 115200,
                                    .format = character_format::n81,
                                    .exceptions = exceptions};
+    /// 2002h. It has no register for the format. When a code takes effect is not stated.
+    static constexpr rate_choice rates[] = {{128'000, 1}, {115'200, 2}, {57'600, 3},
+                                            {38'400, 4},  {19'200, 5},  {9'600, 6}};
+    static constexpr line_choices on_line{
+        .rates = rates, .rate_register = 0x2002, .needs_save = true, .needs_power_cycle = true};
 };
 
 /// 2002h RS485 baud rate. Its codes begin at 1 [errata B22].

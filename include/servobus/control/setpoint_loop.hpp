@@ -1,0 +1,272 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// The loop of a program around one drive: takes the drive over, again after each loss, begins the latest setpoint every
+// period, and reports each end once. It resets faults and energises only after a consent that the program gives each time.
+// Programs that step a facade include it.
+//
+//     setpoint_loop loop{wheels, take_over{}, enable{}, setpoints<zlac8015d::velocity>{}};
+//     loop.enable();                              // a consent: the operator has pressed the button
+//     loop.set({30 * r_per_min, 30 * r_per_min}); // the latest setpoint, in each iteration
+//     wire.sleep(loop.step());                    // on a bus: all.step(), then loop.command()
+//     if (const loop_report ended = loop.take_report()) std::puts(text(ended.what));
+#pragma once
+
+#include <servobus/core/cxx20.hpp>
+
+#include <concepts>
+#include <cstdint>
+
+#include <servobus/control/common_commands.hpp>
+#include <servobus/control/detail/loop_reports.hpp>
+#include <servobus/control/loop_report.hpp>
+#include <servobus/control/motor_drive.hpp>
+#include <servobus/control/moving_commands.hpp>
+#include <servobus/control/states.hpp>
+#include <servobus/control/take_over.hpp>
+#include <servobus/core/time.hpp>
+
+namespace servobus {
+
+/// The setpoints of a loop: any command without constants that must be given, such as `zlac8015d::clamped_velocity`.
+template <std::default_initializable Command> struct setpoints {
+    using command = Command;
+    duration every =
+        milliseconds(20); ///< the latest one is begun again after so long; below the command timeout
+    duration lasts =
+        milliseconds(200); ///< a setpoint that is older is not begun: the program gives them no more
+};
+
+/// Of a drive that is commanded by `begin` only, such as a lift by its moves.
+struct no_setpoints {
+    struct command {};
+    duration every{};
+    duration lasts{};
+};
+
+/// A drive in a loop that never waits. It refers to the drive; nothing else commands the drive meanwhile.
+///
+///     setpoint_loop loop{wheels, take_over{zlac8015d::resolution{10}}, enable{}, setpoints<zlac8015d::velocity>{}};
+///
+/// **Motion never begins by itself.** It is allowed from an `enable()` of the program on, once the drive is enabled by it,
+/// until a stop through the loop, a fault, a wired stop or limit switch, a setpoint that was not carried out, or a loss: a
+/// restart, a lost port, an outcome that is not known. After each of them another `enable()` must follow. (A YAKO's wired
+/// stop shows by a setpoint that is not carried out only: one that ends before the next setpoint is not seen.) A setpoint that was given before `enable()` is
+/// never begun. A setpoint that has become old is not begun again, so that the drive's command timeout stops it; the next
+/// one that the program gives moves the drive again. Like every facade it is not a safety function.
+///
+/// The list of the take-over runs again after each loss and, until it succeeds, once in `retry`: put no `save{}` in it,
+/// which would wear the drive's EEPROM.
+template <motor_drive Drive, class TakeOver, class Enable = servobus::enable, class Setpoints = no_setpoints>
+class setpoint_loop {
+    static_assert(!TakeOver::resets_faults,
+                  "a loop resets faults by consent: reset_faults(), not with_fault_reset{} in its take-over");
+    static constexpr bool has_setpoints = !std::same_as<Setpoints, no_setpoints>;
+    using setpoint = typename Setpoints::command;
+
+  public:
+    /// `retry`: from one attempt to take the drive over to the next.
+    constexpr explicit setpoint_loop(Drive& drive, const TakeOver& list, const Enable& how = {},
+                                     const Setpoints& times = {}, duration retry = milliseconds(1000))
+        : drive_{&drive}, list_{list}, enable_{how}, times_{times}, retry_{retry} {}
+    setpoint_loop(const setpoint_loop&) = delete; // a consent is used once
+    setpoint_loop& operator=(const setpoint_loop&) = delete;
+
+    /// Steps the drive and then commands it. Returns what the drive's `step` does.
+    constexpr duration step() {
+        const duration idle = drive_->step();
+        command();
+        return idle;
+    }
+    /// Commands the drive, which the program or its bus has stepped: the end of what is under way, then what is next.
+    constexpr void command() {
+        watch();
+        if (!drive_->is_idle() || conclude()) return; // an end is reported before the next one can come
+        begin_next();
+    }
+
+    // --- What the program wants
+
+    /// Consents once to energise the drive and to move it then. It waits for a take-over that is under way. A loss, a fault,
+    /// a stop, or a take-over that fails withdraws it. Without effect while motion is allowed already.
+    constexpr void enable() {
+        if (may_move_) return;
+        may_enable_ = true;
+        is_set_ = false;
+    }
+    /// Consents once to a fault reset. False, and without effect, if the drive has no fault. It stays disabled after it.
+    constexpr bool reset_faults() {
+        may_reset_ = drive_->state() == drive_state::faulted;
+        return may_reset_;
+    }
+    /// The latest setpoint, which replaces the one before. It is begun at the next period in which motion is allowed.
+    constexpr void set(const setpoint& wanted) requires has_setpoints {
+        setpoint_ = wanted;
+        set_at_ = now();
+        is_set_ = true;
+    }
+    /// Begins another command of the drive: a move, a setting. `last()` of the drive, and a report, say how it ends.
+    /// Errors: the command's own; `busy` if something is under way; `needs_init` until the drive is taken over;
+    /// `wrong_state` for a command that moves or energises while motion is not allowed.
+    template <class Wanted> [[nodiscard]] constexpr errc begin(const Wanted& wanted) {
+        if (asked_ != loop_part::none || !drive_->is_idle()) return errc::busy;
+        if (!is_taken_over_) return errc::needs_init;
+        if (may_move<detail::model_of_drive<Drive>, Wanted> && !may_move_) return errc::wrong_state;
+        const errc refusal = drive_->begin(wanted);
+        if (refusal == errc::ok) asked_ = loop_part::command;
+        return refusal;
+    }
+
+    // --- Stops, which go before everything else. Each ends that motion is allowed, also if the drive refuses it.
+
+    /// Begins `halt{}`. Errors: the command's own.
+    constexpr errc halt() { return stop_by(servobus::halt{}); }
+    /// Begins `quick_stop{}`. Errors: the command's own.
+    constexpr errc quick_stop() { return stop_by(servobus::quick_stop{}); }
+    /// Begins `disable{}`. Errors: the command's own.
+    constexpr errc disable() { return stop_by(servobus::disable{}); }
+
+    // --- What the program is told
+
+    /// The last end that was not taken yet; one that is not taken is replaced by the next. Setpoints that succeed are not
+    /// reported. A failure that is repeated is reported once, until it succeeds or something else has ended.
+    constexpr loop_report take_report() { return reports_.take(); }
+    constexpr bool is_taken_over() const { return is_taken_over_; }
+    /// True while setpoints are begun, and moves can be.
+    constexpr bool is_motion_allowed() const { return may_move_; }
+    constexpr Drive& drive() const { return *drive_; }
+
+  private:
+    constexpr instant now() const { return drive_->line().now(); }
+
+    // A stop that the drive or its wiring has made, whose end must not let it move again.
+    constexpr bool is_held() const {
+        const stop_cause why = drive_->cause();
+        return why == stop_cause::fault || why == stop_cause::input || why == stop_cause::restart;
+    }
+    // A setpoint that was not carried out: a wired stop that only shows by that may keep the motor at rest.
+    static constexpr bool shows_stop(errc e) {
+        return e == errc::not_executed || e == errc::not_reached || e == errc::stopped_short;
+    }
+    constexpr void watch() {
+        const drive_state before = seen_;
+        seen_ = drive_->state();
+        const bool is_lost = is_taken_over_ && seen_ == drive_state::needs_init;
+        if (is_lost) is_taken_over_ = false;
+        if (is_lost || (seen_ == drive_state::faulted && before != drive_state::faulted)) withdraw();
+        if (may_move_ && (seen_ != drive_state::enabled || is_held())) withdraw();
+    }
+    constexpr void withdraw() { may_enable_ = may_reset_ = may_move_ = is_set_ = false; }
+    constexpr void allow_motion() { may_move_ = is_due_ = true; }
+
+    template <class Stop> constexpr errc stop_by(const Stop& wanted) {
+        withdraw();
+        const errc refusal = drive_->begin(wanted);
+        if (refusal == errc::ok) asked_ = loop_part::stop;
+        return refusal;
+    }
+
+    // The drive is idle: what the loop has begun has ended. True if that is reported.
+    constexpr bool conclude() {
+        const loop_part ended = asked_;
+        if (ended == loop_part::none) return false;
+        const routine_status& how = drive_->last();
+        if (ended == loop_part::take_over) {
+            parts_.conclude(how, seen_);
+            return parts_.is_over() && end_take_over();
+        }
+        asked_ = loop_part::none;
+        if (ended == loop_part::setpoint && how) {
+            reports_.note_success(ended);
+            return false;
+        }
+        if (ended == loop_part::setpoint && shows_stop(how.error())) withdraw();
+        if (ended == loop_part::enable && how && seen_ == drive_state::enabled) allow_motion();
+        return reports_.note({.what = ended, .how = how});
+    }
+    constexpr bool end_take_over() {
+        const take_over_status done = parts_.status();
+        asked_ = loop_part::none;
+        is_taken_over_ = static_cast<bool>(done);
+        if (!done) withdraw();
+        return reports_.note(
+            {loop_part::take_over, done.part(), static_cast<std::uint8_t>(done.setting()), done.command()});
+    }
+
+    constexpr void begin_next() {
+        const instant at = now();
+        if (asked_ == loop_part::take_over) return begin_part();
+        if (!is_taken_over_) {
+            if (has_tried_ && since(tried_, at) < retry_) return;
+            has_tried_ = true;
+            tried_ = at;
+            asked_ = loop_part::take_over;
+            parts_ = list_.begin();
+            return begin_part();
+        }
+        if (seen_ == drive_state::faulted) {
+            if (may_reset_) start(fault_reset{}, loop_part::fault_reset);
+            may_reset_ = false;
+            return;
+        }
+        if (may_enable_) return begin_enable();
+        if constexpr (has_setpoints) {
+            if (may_move_ && is_set_) begin_setpoint(at);
+        }
+    }
+    constexpr void begin_part() {
+        const errc refusal =
+            list_.template apply<Drive>(parts_, [this](const auto& part) { return drive_->begin(part); });
+        if (refusal == errc::ok) return;
+        parts_.conclude(routine_status{refusal}, seen_);
+        (void)end_take_over();
+    }
+    constexpr void begin_enable() {
+        may_enable_ = false;
+        if (seen_ != drive_state::enabled || is_held()) return start(enable_, loop_part::enable);
+        allow_motion(); // it is energised, as after a halt
+        (void)reports_.note({.what = loop_part::enable});
+    }
+    constexpr void begin_setpoint(instant at) {
+        if (since(set_at_, at) > times_.lasts) {
+            is_set_ = false;
+            return;
+        }
+        const duration gone = since(begun_, at);
+        if (!is_due_ && gone < times_.every) return;
+        const bool keeps_rhythm = !is_due_ && gone < times_.every * 2;
+        begun_ = keeps_rhythm ? begun_ + times_.every : at;
+        is_due_ = false;
+        start(setpoint_, loop_part::setpoint);
+    }
+    template <class Wanted> constexpr void start(const Wanted& wanted, loop_part what) {
+        const errc refusal = drive_->begin(wanted);
+        if (refusal == errc::ok)
+            asked_ = what;
+        else
+            (void)reports_.note({.what = what, .how = routine_status{refusal}});
+    }
+
+    Drive* drive_;
+    [[no_unique_address]] TakeOver list_;
+    [[no_unique_address]] Enable enable_;
+    Setpoints times_;
+    [[no_unique_address]] setpoint setpoint_{};
+    duration retry_;
+    instant tried_{}; // the last attempt to take the drive over
+    instant begun_{}; // the last setpoint
+    instant set_at_{};
+    detail::take_over_progress parts_ = list_.begin();
+    detail::loop_reports reports_{};
+    loop_part asked_ = loop_part::none; // under way, or its end is not concluded
+    drive_state seen_ = drive_state::needs_init;
+    bool has_tried_ = false;
+    bool is_taken_over_ = false;
+    bool may_enable_ = false;
+    bool may_reset_ = false;
+    bool may_move_ = false;
+    bool is_set_ = false; // since the last consent, and not too old
+    bool is_due_ = false; // the first setpoint, which waits for no period
+};
+
+} // namespace servobus
