@@ -334,8 +334,10 @@ TEST_CASE("a loop takes the drive over by itself, and neither energises nor move
     // A setpoint that was given before the consent is not begun.
     t.set(30);
     t.loop.enable();
-    t.go(1000);
+    t.go(180); // while it is not too old
     CHECK(t.r.model.enabled());
+    CHECK(t.motions() == 1); // the enable
+    t.go(800);
     CHECK_FALSE(t.is_moving());
     CHECK(t.count(loop_part::enable, errc::ok) == 1);
     t.go(300, 30);
@@ -348,6 +350,20 @@ TEST_CASE("a setpoint that is given between the consent and its enable is begun"
     t.loop.enable();
     t.go(400, 30); // the take-over, then the enable
     CHECK(t.is_moving());
+}
+
+TEST_CASE("a consent is withdrawn by a fault that the take-over finds") {
+    rig t;
+    t.r.model.raise(z::fault::overcurrent, z::fault::none);
+    t.loop.enable();
+    t.go(1000, 30);
+    CHECK(t.loop.is_taken_over());
+    CHECK(t.r.drive.state() == drive_state::faulted);
+    t.r.model.end_faults();
+    REQUIRE(t.loop.reset_faults());
+    t.go(1000, 30);
+    CHECK(t.r.drive.state() == drive_state::disabled);
+    CHECK(t.motions() == 0);
 }
 
 TEST_CASE("a consent is used once: by an enable, whether it succeeds or not") {
@@ -482,10 +498,12 @@ TEST_CASE("a stop goes before everything else, and motion needs a consent after 
         CHECK(t.count(loop_part::stop, errc::ok) == 1);
         CHECK_FALSE(t.is_moving());
         CHECK(t.loop.begin(z::velocity{30 * r_per_min, 30 * r_per_min}) == errc::wrong_state);
-        const std::uint32_t enables = t.r.model.enables();
+        constexpr auto energises = modbus::write_frame(1, 0x200E, 0x0008);
+        const std::size_t enables = t.r.sent(energises);
+        CHECK(enables == 1);
         t.loop.enable(); // it is energised: motion is allowed again
         t.go(500, 30);
-        CHECK(t.r.model.enables() == enables);
+        CHECK(t.r.sent(energises) == enables);
     }
     SUBCASE("quick stop") {
         CHECK(t.loop.quick_stop() == errc::ok);
