@@ -28,7 +28,7 @@ namespace servobus {
 /// A step is what a wheel moves between two updates. It is not added, and the pose is not continuous from then on, where it
 /// tells too little of the path: a step of more than 8.3 m or 2^20 counts, one that turns the axle by more than 0.4 rad, one
 /// of more than 100 ms whose way times turn is more than 1 mm rad, since its path may end 0.25 mm beside the arc, and one of
-/// more than 500 ms whose way is more than 1 mm. A drive that has restarted is found so only if its position differs by so much.
+/// more than 500 ms whose way is more than 1 mm; of these two `expect_arc` can know more. A drive that has restarted is found so only if its position differs by so much.
 /// Who knows of a restart calls `restart`.
 ///
 /// Error of the arithmetic in a kilometre of steps of up to 0.05 rad: 20 um and 1e-9 rad, with counts of 0.4 um and more.
@@ -63,6 +63,9 @@ class odometry {
         pose_.is_continuous = true;
         rest_ = 0;
     }
+
+    /// Says that the wheels have turned steadily until `now`: their way is an arc, however long the next step has taken.
+    constexpr void expect_arc(instant now) { pose_.time = now; }
 
     /// Adds the steps to these positions, which were read at `now`. The first update, without a `start`, adds none.
     /// If the step is not added, the pose stays where it was and is not continuous. Returns `is_continuous`.

@@ -45,6 +45,13 @@ struct move_at {
     micrometres_per_second speed;
 };
 
+/// Moves at a speed while the program repeats it, as the drive's own `hold`; `halt` ends it. `every`: the longest time from
+/// one command to the next.
+struct hold_at {
+    micrometres_per_second speed;
+    duration every;
+};
+
 /// Limits the travel by software. Errors: `bad_argument` if `lowest` is not below `highest`.
 struct limit_travel {
     micrometres lowest;
@@ -60,6 +67,7 @@ struct declare_position {
 void moves_or_energises(const move_to*);
 void moves_or_energises(const move_by*);
 void moves_or_energises(const move_at*);
+void moves_or_energises(const hold_at*);
 
 /// Where the last move of an axis has come to.
 struct axis_arrival {

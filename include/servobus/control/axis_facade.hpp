@@ -51,6 +51,10 @@ template <class Drive> class axis_facade : public Drive {
             return Drive::run(wanted);
         }
     }
+    /// Runs a command that is made of others, such as `take_over`. Waits. Returns which of them failed, and how.
+    template <commands::made_of_commands Wanted> typename Wanted::status_of_parts run(const Wanted& wanted) {
+        return wanted.run_by(*this, [this](const auto& part) { return this->run(part); });
+    }
     template <class Wanted> [[nodiscard]] constexpr errc begin(const Wanted& wanted) {
         if constexpr (detail::axis_planned<Wanted, settings>) {
             return Drive::begin(of_axis(wanted));

@@ -58,7 +58,8 @@ template <std::size_t Size> consteval decimal decimal_of(const char (&text)[Size
     return {static_cast<std::int32_t>(count), static_cast<std::uint16_t>(parts)};
 }
 
-template <unit U, char... Characters> consteval auto literal_of() {
+// No consteval: clang 14 leaves a call to it in a template. The number is a constant all the same.
+template <unit U, char... Characters> constexpr auto literal_of() {
     constexpr decimal d = decimal_of({Characters...});
     return quantity<U / d.parts, std::int32_t>{d.count};
 }
@@ -67,32 +68,32 @@ template <unit U, char... Characters> consteval auto literal_of() {
 /// The suffixes are the symbols of the units, `_per_` for a stroke. A sign stands before: `-0.4_mm`.
 namespace literals {
 // clang-format off
-template <char... C> consteval auto operator""_us()         { return detail::literal_of<units::microsecond, C...>(); }
-template <char... C> consteval auto operator""_ms()         { return detail::literal_of<units::millisecond, C...>(); }
-template <char... C> consteval auto operator""_s()          { return detail::literal_of<units::second, C...>(); }
+template <char... C> constexpr auto operator""_us()         { return detail::literal_of<units::microsecond, C...>(); }
+template <char... C> constexpr auto operator""_ms()         { return detail::literal_of<units::millisecond, C...>(); }
+template <char... C> constexpr auto operator""_s()          { return detail::literal_of<units::second, C...>(); }
 
-template <char... C> consteval auto operator""_um()         { return detail::literal_of<units::micrometre, C...>(); }
-template <char... C> consteval auto operator""_mm()         { return detail::literal_of<units::millimetre, C...>(); }
-template <char... C> consteval auto operator""_m()          { return detail::literal_of<units::metre, C...>(); }
-template <char... C> consteval auto operator""_um_per_s()   { return detail::literal_of<units::micrometre_per_second, C...>(); }
-template <char... C> consteval auto operator""_mm_per_s()   { return detail::literal_of<units::millimetre_per_second, C...>(); }
-template <char... C> consteval auto operator""_m_per_s()    { return detail::literal_of<units::metre_per_second, C...>(); }
+template <char... C> constexpr auto operator""_um()         { return detail::literal_of<units::micrometre, C...>(); }
+template <char... C> constexpr auto operator""_mm()         { return detail::literal_of<units::millimetre, C...>(); }
+template <char... C> constexpr auto operator""_m()          { return detail::literal_of<units::metre, C...>(); }
+template <char... C> constexpr auto operator""_um_per_s()   { return detail::literal_of<units::micrometre_per_second, C...>(); }
+template <char... C> constexpr auto operator""_mm_per_s()   { return detail::literal_of<units::millimetre_per_second, C...>(); }
+template <char... C> constexpr auto operator""_m_per_s()    { return detail::literal_of<units::metre_per_second, C...>(); }
 
-template <char... C> consteval auto operator""_degree()     { return detail::literal_of<units::degree, C...>(); }
-template <char... C> consteval auto operator""_revolution() { return detail::literal_of<units::revolution, C...>(); }
-template <char... C> consteval auto operator""_urad()       { return detail::literal_of<units::microradian, C...>(); }
-template <char... C> consteval auto operator""_mrad()       { return detail::literal_of<units::milliradian, C...>(); }
-template <char... C> consteval auto operator""_rad()        { return detail::literal_of<units::radian, C...>(); }
-template <char... C> consteval auto operator""_urad_per_s() { return detail::literal_of<units::microradian_per_second, C...>(); }
-template <char... C> consteval auto operator""_mrad_per_s() { return detail::literal_of<units::milliradian_per_second, C...>(); }
-template <char... C> consteval auto operator""_rad_per_s()  { return detail::literal_of<units::radian_per_second, C...>(); }
+template <char... C> constexpr auto operator""_degree()     { return detail::literal_of<units::degree, C...>(); }
+template <char... C> constexpr auto operator""_revolution() { return detail::literal_of<units::revolution, C...>(); }
+template <char... C> constexpr auto operator""_urad()       { return detail::literal_of<units::microradian, C...>(); }
+template <char... C> constexpr auto operator""_mrad()       { return detail::literal_of<units::milliradian, C...>(); }
+template <char... C> constexpr auto operator""_rad()        { return detail::literal_of<units::radian, C...>(); }
+template <char... C> constexpr auto operator""_urad_per_s() { return detail::literal_of<units::microradian_per_second, C...>(); }
+template <char... C> constexpr auto operator""_mrad_per_s() { return detail::literal_of<units::milliradian_per_second, C...>(); }
+template <char... C> constexpr auto operator""_rad_per_s()  { return detail::literal_of<units::radian_per_second, C...>(); }
 
-template <char... C> consteval auto operator""_r_per_min()  { return detail::literal_of<units::r_per_min, C...>(); }
-template <char... C> consteval auto operator""_pulse()      { return detail::literal_of<units::pulse, C...>(); }
-template <char... C> consteval auto operator""_mA()         { return detail::literal_of<units::milliampere, C...>(); }
-template <char... C> consteval auto operator""_A()          { return detail::literal_of<units::ampere, C...>(); }
-template <char... C> consteval auto operator""_V()          { return detail::literal_of<units::volt, C...>(); }
-template <char... C> consteval auto operator""_percent()    { return detail::literal_of<units::percent, C...>(); }
+template <char... C> constexpr auto operator""_r_per_min()  { return detail::literal_of<units::r_per_min, C...>(); }
+template <char... C> constexpr auto operator""_pulse()      { return detail::literal_of<units::pulse, C...>(); }
+template <char... C> constexpr auto operator""_mA()         { return detail::literal_of<units::milliampere, C...>(); }
+template <char... C> constexpr auto operator""_A()          { return detail::literal_of<units::ampere, C...>(); }
+template <char... C> constexpr auto operator""_V()          { return detail::literal_of<units::volt, C...>(); }
+template <char... C> constexpr auto operator""_percent()    { return detail::literal_of<units::percent, C...>(); }
 // clang-format on
 } // namespace literals
 

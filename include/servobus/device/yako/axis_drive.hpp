@@ -18,6 +18,7 @@
 #include <servobus/control/axis_commands.hpp>
 #include <servobus/control/axis_facade.hpp>
 #include <servobus/device/yako/drive.hpp>
+#include <servobus/device/yako/hold.hpp>
 
 namespace servobus::yako {
 
@@ -117,6 +118,14 @@ constexpr axis_command plan_on_axis(const servobus::move_at& wanted, const axis_
                                     const cached_settings& known) {
     const auto to = detail::speed_on(at.geometry(), wanted.speed, known);
     axis_command c = velocity{to.value}.plan(known);
+    c.refusal = detail::first_error(to.error, c.refusal);
+    return c;
+}
+/// A button that is held. Errors: as `yako::hold`; `out_of_range`.
+constexpr axis_command plan_on_axis(const servobus::hold_at& wanted, const axis_place& at,
+                                    const cached_settings& known) {
+    const auto to = detail::speed_on(at.geometry(), wanted.speed, known);
+    axis_command c = hold{to.value, wanted.every}.plan(known);
     c.refusal = detail::first_error(to.error, c.refusal);
     return c;
 }

@@ -16,6 +16,7 @@
 #include <servobus/axis/differential.hpp>
 #include <servobus/axis/odometry.hpp>
 #include <servobus/device/zlac8015d/drive.hpp>
+#include <servobus/device/zlac8015d/wheel_step.hpp>
 
 namespace servobus::zlac8015d {
 
@@ -44,20 +45,24 @@ class robot_model : public model {
 
     constexpr void note(const block_feedback& r, const settings& known) {
         if (known.state == drive_state::needs_init) return; // counts from elsewhere after it
-        const u32 left = position(r.words + image::place_of<left_actual_position>);
-        const u32 right = position(r.words + image::place_of<right_actual_position>);
-        if (r.epoch != epoch_) odometry_.restart(left, right);
+        const wheel_image left = left_in(r.words), right = right_in(r.words);
+        if (r.epoch != epoch_) odometry_.restart(left.position, right.position);
         epoch_ = r.epoch;
-        (void)odometry_.update(left, right, r.taken);
+        const duration took = since(odometry_.pose().time, r.taken);
+        // Lost responses cost no pose while the robot keeps its twist.
+        if (step_of_left(left_, left, took).is_steady() && step_of_right(right_, right, took).is_steady())
+            odometry_.expect_arc(r.taken);
+        (void)odometry_.update(left.position, right.position, r.taken);
+        left_ = left;
+        right_ = right;
     }
     /// Also a position that both wheels may have reached from zero, and not by their speeds from where they were: a restart
     /// puts both to zero.
     constexpr bool has_fallen(const block_feedback& r, const settings& known) const {
         if (model::has_fallen(r, known)) return true;
-        const std::uint32_t ms = r.between.us >> 22 != 0 ? 4096u : r.between.us >> 10;
-        const axle& on = base_->base();
-        const wheel_step left = step_of(r, 0, ms, on.left()), right = step_of(r, 1, ms, on.right());
-        return left.is_near_zero && right.is_near_zero && (left.is_odd || right.is_odd);
+        const wheel_step left = step_of_left(left_in(r.before), left_in(r.words), r.between);
+        const wheel_step right = step_of_right(right_in(r.before), right_in(r.words), r.between);
+        return left.may_come_from_zero() && right.may_come_from_zero() && (left.is_odd() || right.is_odd());
     }
     /// After `init` the encoder's lines are read: a drive that counts otherwise than the program says is not taken over.
     constexpr errc learn(prepared_command& c, const ending& e, settings& known) {
@@ -77,32 +82,25 @@ class robot_model : public model {
     }
 
   private:
-    // How a wheel has come from one image to the next.
-    struct wheel_step {
-        bool is_near_zero; ///< it may have been at zero between them
-        bool is_odd;       ///< its speeds say otherwise
-    };
-    // By its speeds in both images, and a quarter more; a servo trembles by 5 counts.
-    static constexpr wheel_step step_of(const block_feedback& r, std::size_t wheel, std::uint32_t ms,
-                                        const feed& by) {
-        const std::size_t at = image::place_of<left_actual_position> + 2 * wheel;
-        const std::size_t turning = image::place_of<left_actual_speed> + wheel;
-        // Counts in the time at a speed in 0.1 r/min: 1 / 600'000 is 7 / 2^22, rounded up.
-        const auto way = [&](std::uint16_t tenths) {
-            const std::int32_t parts = static_cast<std::int16_t>(tenths) * static_cast<std::int32_t>(ms) >> 6;
-            return static_cast<std::int32_t>(std::int64_t{parts} * (by.counts_of_motor_turn() * 7) >> 16);
-        };
-        const std::int32_t before = way(r.before[turning]), now = way(r.words[turning]);
-        const std::int32_t low = before < now ? before : now, high = before < now ? now : before;
-        const std::int32_t farthest = high > -low ? high : -low;
-        const std::int32_t slack = (farthest >> 2) + 5;
-        const auto there = static_cast<std::int32_t>(position(r.words + at));
-        const auto moved = static_cast<std::int32_t>(position(r.words + at) - position(r.before + at));
-        return {there <= farthest + slack && there >= -farthest - slack,
-                moved < low - slack || moved > high + slack};
+    template <const auto& Position, const auto& Speed>
+    static constexpr wheel_image wheel_in(const std::uint16_t* w) {
+        const std::uint16_t* const position = w + image::place_of<Position>;
+        return {join_words(position[0], position[1], device::facts.word_order),
+                static_cast<std::int16_t>(w[image::place_of<Speed>])};
     }
-    static constexpr u32 position(const std::uint16_t* w) {
-        return join_words(w[0], w[1], device::facts.word_order);
+    static constexpr wheel_image left_in(const std::uint16_t* w) {
+        return wheel_in<left_actual_position, left_actual_speed>(w);
+    }
+    static constexpr wheel_image right_in(const std::uint16_t* w) {
+        return wheel_in<right_actual_position, right_actual_speed>(w);
+    }
+    constexpr wheel_step step_of_left(const wheel_image& from, const wheel_image& to,
+                                      duration between) const {
+        return {from, to, between, base_->base().left().counts_of_motor_turn()};
+    }
+    constexpr wheel_step step_of_right(const wheel_image& from, const wheel_image& to,
+                                       duration between) const {
+        return {from, to, between, base_->base().right().counts_of_motor_turn()};
     }
     /// Four counts a line follow from the manual's example, 20480 for five turns of 4096 (section 3.2). 0 lines count as
     /// the factory's 1024.
@@ -112,6 +110,8 @@ class robot_model : public model {
 
     const differential* base_ = nullptr;
     odometry odometry_{};
+    wheel_image left_{};
+    wheel_image right_{};
     std::uint16_t epoch_ = 0;
 };
 
