@@ -36,7 +36,14 @@ bool go(auto& servo, c::segment_number stroke) {
     const axis_arrival there = servo.run(c::start_segment{stroke}, wait_reached{milliseconds(10'000)});
     return there.how == arrival_state::reached || there.cause == stop_cause::blocked;
 }
-bool cycle(auto& servo) { return go(servo, down) && go(servo, push) && go(servo, up); }
+// From a piece the rest of the stroke is given up first: a segment that has begun would go on.
+bool raise(auto& servo) {
+    const bool is_held = servo.arrival().how == arrival_state::stopped_short;
+    if (is_held && !(servo.run(disable{}) && servo.run(c::enable_in{c::control_mode::position})))
+        return false;
+    return go(servo, up);
+}
+bool cycle(auto& servo) { return go(servo, down) && go(servo, push) && raise(servo); }
 
 // What the manual says about the drive's alarm.
 advice remedy(auto& servo) { return c::advice_for(servo.read().value_or({}).alarm_code); }

@@ -75,9 +75,9 @@ int main() {
     const axis_arrival held = w.servo.arrival();
     w.check("a piece", is_held && held.cause == stop_cause::blocked && held.missing.count() > 5000);
     std::printf("  %.2f mm above the end\n", static_cast<double>(held.missing.count()) / 1000);
-    const bool goes_up = static_cast<bool>(w.servo.run(press::c::start_segment{press::up}));
+    w.check("off", static_cast<bool>(w.servo.run(disable{})));
     w.drive.block_shaft(false); // the piece holds it downwards only
-    w.check("up", goes_up && w.servo.run(wait_reached{}) && w.is_near(0));
+    w.check("up", press::raise(w.servo) && w.is_near(0));
 
     for (const std::uint16_t code : {std::uint16_t{0x620}, std::uint16_t{0xB00}}) {
         if (!w.servo.run(press::c::start_segment{press::down})) w.check("it goes down", false);
