@@ -122,6 +122,21 @@ class bus : detail::cyclic_reads<Plan, Line, Drives...> {
         return drive.arrival(end);
     }
 
+    /// A drive of the bus by whose `run` a program for one drive runs its commands while the bus goes on.
+    template <class Drive> class blocking_drive {
+      public:
+        auto run(const auto&... what) { return all_->run(*drive_, what...); }
+        const Drive& drive() const { return *drive_; }
+
+      private:
+        friend bus;
+        blocking_drive(bus& all, Drive& drive) : all_{&all}, drive_{&drive} {}
+
+        bus* all_;
+        Drive* drive_;
+    };
+    template <class Drive> blocking_drive<Drive> blocking(Drive& drive) { return {*this, drive}; }
+
     /// The last values of cyclic read number `I` of the plan. Errors:
     /// - the reason why the last attempt failed, if the values are older than `oldest`, or there are none
     /// - `timeout`: no read has ended yet, or none since the word order is known

@@ -1,0 +1,73 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// A robot's wheels, a lift, a press and a sensor of another maker on one line: the plan says what is sent how often, and the
+// compiler checks that it fits.
+#pragma once
+
+#include <servobus/any_device.hpp>
+#include <servobus/client/settings_on_one_line.hpp>
+
+#include "../lift/lift.hpp"
+#include "../press/press.hpp"
+#include "../robot/robot.hpp"
+
+/// The sensor, from its manual.
+namespace eye {
+struct device {
+    static constexpr servobus::profile facts{.name = "eye", .baud = 38'400};
+};
+inline constexpr servobus::input_reg<servobus::u16, device> distance{
+    0, {0, 65535}, servobus::units::millimetre, 0};
+inline constexpr servobus::discrete_input<device> is_door_open{0};
+} // namespace eye
+
+namespace cell {
+using namespace servobus;
+using namespace servobus::literals;
+
+constexpr auto wheels_node = prompt(node<zlac8015d::device>{1});
+constexpr auto lift_node = prompt(node<yako::closed_loop::device>{2});
+constexpr auto press_node = prompt(node<c630s::device>{3});
+constexpr auto eye_node = prompt(node<eye::device>{9});
+constexpr auto shared =
+    settings_on_one_line(wheels_node, lift_node, press_node); // 38400 8N1; what each needs to get there
+constexpr poll_plan plan{modbus::timing_at(shared.baud),
+                         controlled(wheels_node, {.feedback = 50_ms, .command_timeout = 500_ms})
+                             .commands(50_ms)
+                             .keeps_alive(1500_ms),
+                         controlled(lift_node, {.feedback = 100_ms, .command_timeout = no_command_timeout}),
+                         controlled(press_node, {.feedback = 100_ms, .command_timeout = no_command_timeout}),
+                         cyclic<eye::distance>(eye_node, 100_ms),
+                         cyclic<eye::is_door_open>(eye_node, 100_ms)};
+
+constexpr take_over wheels_set_up{zlac8015d::resolution{10}, zlac8015d::watchdog{1500_ms},
+                                  zlac8015d::ramps{200_ms, 200_ms}};
+
+template <class Line> struct cell {
+    explicit cell(Line& wire)
+        : wheels{wire, wheels_node, robot::base, unsupervised}, lift{wire, lift_node, ::lift::screw},
+          press{wire, press_node, ::press::ram}, all{wire, wheels, lift, press} {}
+
+    // Waits; lift and press move to their homes, the wheels are enabled.
+    bool prepare() {
+        auto platform = all.blocking(lift);
+        auto ram = all.blocking(press);
+        return ::lift::prepare(platform) && all.run(press, ::press::set_up) && ::press::prepare(ram) &&
+               all.run(wheels, wheels_set_up) && all.run(wheels, enable{});
+    }
+    errc drive(const twist& by) { return is_safe() ? wheels.begin(by) : wheels.begin(halt{}); }
+    // The door is closed, nothing is near, and the sensor has said so lately.
+    bool is_safe() const {
+        const auto near = all.template latest<0>(300_ms);
+        const auto door = all.template latest<1>(300_ms);
+        return near && door && near->template get<eye::distance>() > 200_mm &&
+               !door->template get<eye::is_door_open>();
+    }
+
+    zlac8015d::robot<Line> wheels;
+    yako::closed_loop::axis_drive<Line> lift;
+    c630s::axis_drive<Line> press;
+    bus<plan, Line, decltype(wheels), decltype(lift), decltype(press)> all;
+};
+} // namespace cell
