@@ -44,7 +44,7 @@ enum class flaw : unsigned {
     still_turning,    ///< after a halt its register shows that it turns, for ever
     keeps_fault,
     resets_any_fault,
-    mute_after_reset,
+    mute_after_reset, ///< its feedback cannot be read; the reset does not wait for it
     // The model, the facade or the subject is wrong.
     init_forgets,       ///< the second one
     sees_no_restart,    ///< neither a witness nor the feedback
@@ -90,7 +90,6 @@ class simulated : public winch::simulated {
         ++reads_;
         if (present == flaw::twitches_at_odd) twitches_ = reads_ % 2 == 1;
         if (present == flaw::twitches_at_even) twitches_ = reads_ % 2 == 0;
-        is_mute_ = is_mute_ || (present == flaw::mute_after_reset && was_reset_);
         return refusal;
     }
     std::uint8_t write(std::uint16_t address, words_view from) {
@@ -170,9 +169,8 @@ class simulated : public winch::simulated {
             off_shortly_ = present == flaw::off_shortly && was_on;
         }
         if (code == control_code::clear_fault) {
-            if (present == flaw::resets_any_fault || present == flaw::mute_after_reset)
-                base::end_fault_cause();
-            was_reset_ = true;
+            if (present == flaw::resets_any_fault) base::end_fault_cause();
+            is_mute_ = present == flaw::mute_after_reset;
         }
         return base::write(winch::control_word.address, from);
     }
@@ -186,7 +184,7 @@ class simulated : public winch::simulated {
     enum class seen : std::uint8_t { nothing, off, on };
     seen seen_ = seen::nothing;
     bool is_on_ = false, off_shortly_ = false;
-    bool stays_on_ = false, is_halted_ = false, was_reset_ = false, is_mute_ = false;
+    bool stays_on_ = false, is_halted_ = false, is_mute_ = false;
 };
 
 } // namespace flawed_winch

@@ -28,6 +28,7 @@ inline constexpr winch::ro<i32> into_image{0x0F, full<i32>, no_unit, 0}; // two 
 inline constexpr step reads_beyond[] = {steps::expect<winch::host_word>(winch::routines::session),
                                         steps::fetch<winch::host_word>(14), steps::fetch<beyond_image>(15),
                                         steps::fetch<into_image>(12), winch::routines::feedback[0]};
+inline constexpr step clear_only[] = {steps::write<winch::control_word>(winch::control_code::clear_fault)};
 inline constexpr step halts_for_long[] = {
     winch::routines::hold,
     steps::until_bits<winch::status_word>(winch::status_bits::turning, 0, step::commanded_limit)};
@@ -49,6 +50,11 @@ inline prepared_command plan(halt, const settings& known) {
 inline prepared_command plan(disable, const settings& known) {
     prepared_command c = winch::plan(disable{}, known);
     if (present == flaw::disable_is_no_stop) c.stop = stop_priority::no_stop;
+    return c;
+}
+inline prepared_command plan(fault_reset, const settings& known) {
+    prepared_command c = winch::plan(fault_reset{}, known);
+    if (present == flaw::mute_after_reset) c.steps = routines::clear_only;
     return c;
 }
 inline prepared_command plan(read_feedback, const settings& known) {

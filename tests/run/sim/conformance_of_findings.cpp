@@ -210,11 +210,21 @@ TEST_CASE("findings are counted without a report, and too few bytes choose nothi
     CHECK(silent.from(hex("03 00 08 00 08")).runs == 0);
     CHECK(silent.from(hex("03 00 08 00 08 00")).runs == 1);
 }
-TEST_CASE("a trial before the first request, and a request that is carried out in two parts") {
-    sim::trial<flawed_winch::subject> t{0};
+TEST_CASE("before the first request only the present counts, and after the last one too") {
+    sim::trial<flawed_winch::subject> t{static_cast<unsigned>(flaw::energised_if_seen)};
+    CHECK(t.run(servobus::init{}));
     t.watch();
-    CHECK(t.was_at(0));
-    CHECK_FALSE(t.was_at(7));
+    CHECK_FALSE(t.was_energised());
+    CHECK(t.run(servobus::enable{}));
+    CHECK(t.was_energised());
+    CHECK(t.run(winch::move_to{4000 * units::pulse}));
+    CHECK(t.run(wait_reached{}));
+    t.watch();
+    CHECK(t.was_at(4000));
+    CHECK_FALSE(t.was_at(0));
+}
+TEST_CASE("a mishap meets a request once that is carried out in two parts") {
+    sim::trial<flawed_winch::subject> t{0};
     CHECK(t.run(servobus::init{}));
     t.watch({mishap::restart_before, 0}, {mishap::busy, 100});
     CHECK(t.drive().begin(read_feedback{}) == errc::ok);
