@@ -74,12 +74,18 @@ def end_of_body(source, start):
     return len(source) - 1
 
 
+def without_comments(source):
+    """The same lines, with spaces in place of comments: a brace in one ends no function."""
+    return re.sub(r"//[^\n]*", lambda m: " " * len(m.group()), source)
+
+
 def line_numbers(source, start, end):
     return range(source.count("\n", 0, start) + 1, source.count("\n", 0, end) + 2)
 
 
 def never_in_a_program(source):
     """Lines of consteval functions, of those that only name a rule, and of closing braces."""
+    source = without_comments(source)
     lines = {n for n, text in enumerate(source.splitlines(), 1) if text.strip() in ("}", "};")}
     for m in re.finditer(r"\bconsteval\b|\bvoid \w+\(\) \{\}", source):
         lines.update(line_numbers(source, m.start(), end_of_body(source, m.start())))
@@ -88,6 +94,7 @@ def never_in_a_program(source):
 
 def function_lines(source, name):
     """Lines of all functions of this name that have a body here."""
+    source = without_comments(source)
     lines = set()
     for m in re.finditer(rf"(?<![\w.>]){re.escape(name)}\(", source):
         end = end_of_body(source, m.start())

@@ -186,10 +186,10 @@ template <class Model, class Exchange> class drive_machine : public detail::comm
     }
     // Positions may be counted from elsewhere after the next refresh too.
     constexpr bool is_origin_open() const { return slot_.is_setting_origin() || slot_.is_stopping(); }
-    // False during a take-over, which finds out anew what the drive is.
+    // During a take-over nothing raises a suspicion: positions count from a new origin, and an image is not judged while
+    // settings change.
     [[gnu::noinline]] constexpr bool may_ask_witness() const {
-        return known_.is_known() && known_.witness(slot_.command()).look != nullptr &&
-               !slot_.is_at(command_kind::take_over);
+        return known_.is_known() && known_.witness(slot_.command()).look != nullptr;
     }
     constexpr void conclude_slower(const status& got, instant began, instant now) {
         auto& slower = known_.polling().slower();

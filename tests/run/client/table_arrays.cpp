@@ -98,6 +98,16 @@ TEST_CASE_TEMPLATE("bits after that of an element are no value", Kind, on_any_li
     CHECK(r.drive.template read<inputs>(0).error() == errc::unexpected_value);
 }
 
+TEST_CASE_TEMPLATE("an element that the device refuses has no value", Kind, on_any_line, on_small_line) {
+    setup<Kind> r;
+    r.port.device = [](scripted_port& p, const sent_frame& f) {
+        p.say(500, tests::framed({1, static_cast<std::uint8_t>(f.data[1] | 0x80), 2}));
+    };
+    CHECK(r.drive.template read<currents>(0).error() == errc::exception);
+    CHECK(r.drive.template read<energies>(0).error() == errc::exception);
+    CHECK(r.drive.template read<inputs>(0).error() == errc::exception);
+}
+
 TEST_CASE_TEMPLATE("an element of an array of coils is written by function 05", Kind, on_any_line,
                    on_small_line) {
     setup<Kind> r;
@@ -239,6 +249,10 @@ TEST_CASE("a server has arrays of coils and inputs") {
     CHECK(values.get<outputs>(9));
     CHECK(values.get<inputs>(1));
     CHECK(!values.get<inputs>(0));
+    values.set<outputs>(9, false);
+    values.set<inputs>(1, false);
+    CHECK(ask({1, 0, 9, 0, 1}) == byte_list{1, 1, 0});
+    CHECK(ask({2, 0, 10, 0, 1}) == byte_list{2, 1, 0});
 }
 
 namespace {

@@ -282,6 +282,16 @@ TEST_CASE("YAKO: every error code and the alarm bit have the one advice that the
     check_style(no_fault_advice);
 }
 
+TEST_CASE("no fault needs no advice, an unknown one has none, and of several faults the first has it") {
+    u16 none = 0, unknown = 0x0999;
+    CHECK(c630s::advice_for(none).cause == no_fault_advice.cause);
+    CHECK(c630s::advice_for(unknown).cause == not_in_manual);
+    CHECK(yako::advice_for(none).cause == no_fault_advice.cause);
+    using zlac8015d::fault, zlac8015d::faults;
+    CHECK(zlac8015d::advice_for(faults{none}).cause == no_fault_advice.cause);
+    CHECK(zlac8015d::advice_for(faults{0x2804}).cause == zlac8015d::advice_for(fault::overcurrent).cause);
+}
+
 TEST_CASE("every erratum that the advice refers to is in the list") {
     for (const char* device : {"c630s", "yako", "zlac8015d"}) {
         const std::string header = device_file(std::string{device} + "/advice.hpp");

@@ -115,6 +115,24 @@ TEST_CASE("the feedback has the wired inputs as P0B-03 shows them") {
     CHECK(after->wired_inputs.to_word() == r.model.peek(input_state.address));
 }
 
+TEST_CASE("the feedback is in position once a move is completed, and not while it is under way") {
+    simulated::driven_c630s r;
+    REQUIRE(r.make_ready());
+    REQUIRE(r.drive.run(segment{1, 20'000 * reference_unit, 60 * r_per_min}));
+    REQUIRE(r.drive.run(enable_in{control_mode::position}));
+    REQUIRE(r.drive.run(start_segment{1}));
+    r.run(100);
+    const result<feedback> under_way = r.drive.read();
+    REQUIRE(r.drive.run(wait_reached{}));
+    const result<feedback> there = r.drive.read();
+    REQUIRE(under_way);
+    REQUIRE(there);
+    CHECK(under_way->is_moving());
+    CHECK_FALSE(under_way->is_in_position());
+    CHECK_FALSE(there->is_moving());
+    CHECK(there->is_in_position());
+}
+
 TEST_CASE("a segment of which no times are given has the factory's") {
     simulated::driven_c630s r;
     REQUIRE(r.make_ready());

@@ -6,6 +6,7 @@
 
 #include <string>
 
+#include <servobus/control/command_text.hpp>
 #include <servobus/device/c630s.hpp>
 #include <servobus/device/yako.hpp>
 #include <servobus/device/yako/closed_loop_catalogue.hpp>
@@ -34,6 +35,9 @@ TEST_CASE("the states of a facade have texts") {
                             "stop of this program", "restart", "unknown");
     check_texts<arrival_state>("no move", "under way", "reached", "stopped short", "unknown");
     check_texts<motion_check>("not asked", "seen", "not seen", "unknown", "unknown");
+    check_texts<step::kind>("write", "read and compare", "read until it is as expected", "read",
+                            "read whether the command may begin", "read until the command is carried out",
+                            "read whether the drive has restarted", "unknown");
     check_texts<outcome>("done", "refused", "not sent", "unknown", "unknown");
 }
 

@@ -290,6 +290,21 @@ TEST_CASE("why: after a fault the state is faulted") {
     CHECK(said.is_of_state());
     CHECK(said.state == faulted);
     CHECK(said.states == set_of({enabled}));
+    const refusal other = why(r.drive, watchdog{70'000 * millisecond}); // the error is the command's own
+    CHECK(other.error == errc::out_of_range);
+    CHECK(other.state == faulted);
+}
+
+TEST_CASE("why: a number above 15 is no code of a setting, and six settings of a drive are told") {
+    const condition all{.address = 0x200D, .code = 16, .codes = 0xFFFF};
+    CHECK(all.has(15));
+    CHECK_FALSE(all.has(16));
+    CHECK_FALSE(all.is_met());
+    each_condition each{0};
+    bool flags[7]{};
+    for (bool& flag : flags) each.flag<winch::speed>(flag);
+    CHECK(each.size() == each_condition::most);
+    CHECK(each.is_valid());
 }
 
 } // namespace why_tests

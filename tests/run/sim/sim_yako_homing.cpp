@@ -356,6 +356,26 @@ TEST_CASE("homing without a wired switch ends at the hard stop, where open loop 
     CHECK(b.status().is_moving());
 }
 
+TEST_CASE(
+    "one limit switch that is wired stops the motor there, and the other direction ends at the hard stop") {
+    for (const int wired : {1, -1}) {
+        for (const int direction : {1, -1}) {
+            CAPTURE(wired);
+            CAPTURE(direction);
+            open b;
+            sim::yako_machine m = simulated::yako_slide();
+            m.home_input = (wired > 0 ? m.negative_limit_input : m.positive_limit_input) = m.not_wired;
+            stand_at(b, m, 0);
+            b.set(cl::over_travel_stop_mode, 1);
+            b.set(cl::jog_speed, 300 * direction);
+            b.command(motion_code::jog());
+            b.run(5000);
+            CHECK(b.status().is_moving() == (wired != direction));
+            CHECK(about(b.drive.view().shaft, (wired == direction ? 4000 : 5000) * direction, 10));
+        }
+    }
+}
+
 TEST_CASE("normally closed switches need their polarity set") {
     sim::yako_machine m = simulated::yako_slide();
     m.are_normally_closed = true;

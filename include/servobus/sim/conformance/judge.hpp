@@ -241,7 +241,7 @@ template <class Subject> class conformance_judge {
         finding f = now_;
         f.promise = promise;
         f.what = what;
-        if (trial_ != nullptr) f.trace = trial_->trace();
+        f.trace = trial_->trace();
         if (report_ != nullptr) report_(context_, f);
     }
 

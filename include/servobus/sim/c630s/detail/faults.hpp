@@ -49,10 +49,10 @@ class c630s_alarms {
         return n < count && is_set(n);
     }
 
-    /// Raises an alarm. False if it is present already or if no alarm has the code.
+    /// Raises an alarm that is not present. False if no alarm has the code.
     constexpr bool set(const c630s_record& what) {
         const std::size_t n = number(what.code);
-        if (n == count || is_set(n)) return false;
+        if (n == count) return false;
         present_ |= mask_of(n);
         for (std::size_t i = depth - 1; i > 0; --i) records_[i] = records_[i - 1];
         records_[0] = what;
