@@ -29,6 +29,16 @@ using motor_speed = quantity<units::r_per_min / 10, std::int32_t>;
 
 /// The ratios of an axis. It is a constant.
 class axis {
+    // In front: clang 14 does not find it in constants otherwise.
+    template <class Convert>
+    constexpr result<std::int32_t> counts_of(micrometres length, Convert&& convert) const {
+        const std::int64_t um = length.count();
+        if (um > 0x7FFF'FFFF || um < -0x7FFF'FFFF) return errc::out_of_range;
+        const result<std::int32_t> counts = convert(static_cast<std::int32_t>(um));
+        if (!counts) return counts.error();
+        return *counts * sign_;
+    }
+
   public:
     static consteval axis of(const feed& by) { return axis{by}; }
 
@@ -82,15 +92,6 @@ class axis {
           counts_of_turn_{by.counts_of_motor_turn()}, sign_{static_cast<std::int8_t>(
                                                           by.direction() == count_direction::forward ? 1
                                                                                                      : -1)} {}
-
-    template <class Convert>
-    constexpr result<std::int32_t> counts_of(micrometres length, Convert&& convert) const {
-        const std::int64_t um = length.count();
-        if (um > 0x7FFF'FFFF || um < -0x7FFF'FFFF) return errc::out_of_range;
-        const result<std::int32_t> counts = convert(static_cast<std::int32_t>(um));
-        if (!counts) return counts.error();
-        return *counts * sign_;
-    }
 
     scale um_of_count_;
     scale counts_of_um_;

@@ -32,9 +32,9 @@ struct floor_of {
     sim::yako_closed_loop lift;
     sim::c630s press;
     sensor_values values{};
-    sim::station<sim::zlac8015d> first{wheels, 1, baud};
-    sim::station<sim::yako_closed_loop> second{lift, 2, baud};
-    sim::station<sim::c630s> third{press, 3, baud};
+    sim::station<sim::zlac8015d> first{wheels};
+    sim::station<sim::yako_closed_loop> second{lift};
+    sim::station<sim::c630s> third{press};
     tests::served_device<sensor_values, modbus::timing_at(baud, modbus::timing_mode::strict)> sensor{values,
                                                                                                      9, baud};
     sim::virtual_line wire{baud};
@@ -43,6 +43,7 @@ struct floor_of {
     cell::cell<line_type> program{on};
 
     floor_of() {
+        bring_to_the_shared_settings();
         wire.attach(first);
         wire.attach(second);
         wire.attach(third);
@@ -57,6 +58,29 @@ struct floor_of {
         lift.attach(rails);
         values.set<eye::distance>(500_mm);
         values.set<eye::is_door_open>(false);
+    }
+    template <class Drive> static void put(Drive& drive, std::uint16_t address, std::uint16_t value) {
+        const std::uint8_t word[]{static_cast<std::uint8_t>(value >> 8), static_cast<std::uint8_t>(value)};
+        REQUIRE(drive.write(address, words_view{word}) == 0);
+    }
+    /// As each of them was set up alone, by what the settings say that it needs.
+    void bring_to_the_shared_settings() {
+        const auto& needs = cell::shared.changes;
+        put(wheels, needs[0].rate.address, needs[0].rate.code);
+        put(wheels, zlac8015d::save_parameters.address, 1);
+        wheels.power_cycle();
+        lift.set_switches(2);
+        put(lift, needs[1].rate.address, needs[1].rate.code);
+        put(lift, yako::auxiliary_command.address, static_cast<std::uint16_t>(yako::auxiliary::save_parameters));
+        lift.power_cycle();
+        put(press, c630s::eeprom_update.address, 1);
+        put(press, c630s::node_address.address, 3);
+        put(press, needs[2].rate.address, needs[2].rate.code);
+        if (needs[2].format) put(press, needs[2].format.address, needs[2].format.code);
+        press.power_cycle();
+        REQUIRE(wheels.baud() == baud);
+        REQUIRE(lift.baud() == baud);
+        REQUIRE(press.baud() == baud);
     }
     /// As a person does: a C630S that was set up is switched off and on.
     bool prepare() {
