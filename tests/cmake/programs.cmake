@@ -21,3 +21,8 @@ foreach(program wheels stepper servo)
   check(example.${program} LABELS example fast REAL_TIME COST 20
         COMMAND ${Python3_EXECUTABLE} -B tests/examples/${program}.py ${tool} $<TARGET_FILE:servobus_${program}>)
 endforeach()
+foreach(machine robot lift press)
+  check(example.${machine} LABELS example fast COST 2
+        COMMAND $<TARGET_FILE:servobus_${machine}_simulated> ${CMAKE_CURRENT_BINARY_DIR}/${machine}.svg)
+  set_tests_properties(example.${machine} PROPERTIES PASS_REGULAR_EXPRESSION "as it should be" FAIL_REGULAR_EXPRESSION "NOT|WRONG")
+endforeach()

@@ -69,6 +69,7 @@ check(target.programs LABELS target figures COST 60 COMMAND sh tests/target/run.
 check(target.server LABELS target figures COST 20 COMMAND sh tests/target/server.sh)
 check(target.operations LABELS target figures COST 10 COMMAND sh tests/target/operations.sh)
 check(target.axis LABELS target figures COST 5 COMMAND sh tests/target/axis.sh)
+check(target.machines LABELS target COST 15 COMMAND sh tests/target/machines.sh)
 check(figures.crc_sizes LABELS target figures COMMAND ${python} bench/sizes.py)
 check(figures.instructions.gcc LABELS figures COST 20 COMMAND ${python} bench/instructions.py)
 check(figures.instructions.clang LABELS figures COST 20 ENVIRONMENT CXX=clang++ COMMAND ${python} bench/instructions.py)
