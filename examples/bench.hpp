@@ -36,7 +36,7 @@ template <class Machine> class bench {
         }
         path_ = argv[1];
         host::watch_for_interruptions();
-        if (simulator_ == 0) ask_for_consent();
+        if (simulator_ == 0) host::ask_for_consent(Machine::warning);
         if (open() != servobus::errc::ok) {
             const std::string why = host::open_failure(path_, port_.os_error());
             end((std::string{"cannot open "} + path_ + ": " + why).c_str());
@@ -144,16 +144,6 @@ template <class Machine> class bench {
     using line = servobus::line<host::serial>;
 
     servobus::errc open() { return port_.open(path_, host::settings_of(Machine::device::facts)); }
-
-    void ask_for_consent() {
-        std::printf("%s\nType MOVE to go on: ", Machine::warning);
-        std::fflush(stdout);
-        char answer[16] = {};
-        if (std::fgets(answer, sizeof answer, stdin) == nullptr || std::strcmp(answer, "MOVE\n") != 0) {
-            std::printf("Nothing was sent.\n");
-            std::exit(2);
-        }
-    }
 
     void check_signal() {
         if (host::is_interrupted()) end("interrupted");

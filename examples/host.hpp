@@ -7,6 +7,8 @@
 
 #include <csignal>
 #include <cstdio>
+#include <cstdlib>
+#include <cstring>
 #include <string>
 
 #ifdef _WIN32
@@ -24,6 +26,16 @@
 namespace host {
 
 inline volatile std::sig_atomic_t interruption = 0;
+
+/// Ends the program unless a person types MOVE.
+inline void ask_for_consent(const char* warning) {
+    std::printf("%s\nType MOVE to go on: ", warning);
+    std::fflush(stdout);
+    char answer[16] = {};
+    if (std::fgets(answer, sizeof answer, stdin) != nullptr && std::strcmp(answer, "MOVE\n") == 0) return;
+    std::printf("Nothing was sent.\n");
+    std::exit(2);
+}
 
 /// True after Ctrl-C, or after another request to end the program that `watch_for_interruptions` names.
 inline bool is_interrupted() { return interruption != 0; }

@@ -1,7 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// The robot on a serial port drives a circle until Ctrl-C: `robot PORT`. It prints each second where it is.
+// The robot on a serial port drives a circle until Ctrl-C: `robot PORT`. It prints each second where it
+// is. The consent that it asks for is the operator's.
 #include <cstdio>
 
 #include "../host.hpp"
@@ -10,19 +11,21 @@
 int main(int argc, char** argv) {
     using namespace servobus;
     using namespace servobus::literals;
+    if (argc != 2 && argc != 4) return std::fprintf(stderr, "usage: robot PORT [--simulator PID]\n"), 2;
+    if (argc == 2)
+        host::ask_for_consent("The robot drives a circle of 1 m: lift its wheels, or clear the place.");
+    std::setvbuf(stdout, nullptr, _IOLBF, BUFSIZ); // also into a file
     host::serial port;
-    const char* path = argc == 2 ? argv[1] : "";
-    if (port.open(path, host::settings_of(robot::z::device::facts)) != errc::ok) {
-        std::fprintf(stderr, "usage: robot PORT; '%s': %s\n", path,
-                     host::open_failure(path, port.os_error()).c_str());
-        return 2;
-    }
+    if (port.open(argv[1], host::settings_of(robot::z::device::facts)) != errc::ok)
+        return std::fprintf(stderr, "cannot open %s: %s\n", argv[1],
+                            host::open_failure(argv[1], port.os_error()).c_str()),
+               1;
     line wire{port, modbus::timing_at(robot::z::device::facts.baud)};
     robot::robot bot{wire};
     host::watch_for_interruptions();
-    bot.enable(); // this is the operator
+    bot.enable();
     for (instant shown = wire.now(); !host::is_interrupted();) {
-        bot.drive({300_mm_per_s, 500_mrad_per_s});
+        bot.drive({150_mm_per_s, 300_mrad_per_s});
         wire.sleep(bot.step());
         if (const loop_report ended = bot.take_report())
             std::printf("%s: %s; drive %s, cause %s, %s\n", text(ended.what), text(ended.how.error()),

@@ -1,0 +1,33 @@
+# SPDX-FileCopyrightText: The servobus authors
+# SPDX-License-Identifier: BSL-1.0
+"""The robot program asks for consent before it moves a real machine, says where the robot is, and stops it on a signal."""
+import re
+import signal
+import sys
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
+from job import Job, asks_first, play_job
+from programs import scene, until
+
+DEVICE = "zlac8015d"
+RELEASED = "left_released+right_released (0x0000)"
+
+
+@scene()
+def consent(job: Job):
+    asks_first(job, DEVICE, "mode_of_operation", "undefined (0x0000)")
+
+
+@scene(signal.SIGINT, signal.SIGTERM)
+def interruption(job: Job, number: signal.Signals):
+    with job.simulated(DEVICE) as drive:
+        program = job.begin(drive)
+        moved = until(lambda: re.search(r"^x [1-9]\d+ mm, y .*urad$", program.out, re.M))
+        job.check("it says where the robot is, and that the pose is continuous", moved, program.out)
+        job.ends(program, number)
+        job.status_is(f"S8: {number.name} ends it", 0)
+        job.is_value(f"S8: {number.name} leaves the drive stopped and released", DEVICE, "status_word", RELEASED)
+
+
+play_job()
