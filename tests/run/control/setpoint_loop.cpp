@@ -320,7 +320,8 @@ struct rig {
 
 } // namespace
 
-TEST_CASE("a loop takes the drive over by itself, and neither energises nor moves it without a consent") {
+TEST_CASE(
+    "G44: a loop takes the drive over by itself, and neither energises nor moves it without a consent") {
     rig t;
     t.go(3000, 30);
     CHECK(t.loop.is_taken_over());
@@ -366,7 +367,7 @@ TEST_CASE("a consent is withdrawn by a fault that the take-over finds") {
     CHECK(t.motions() == 0);
 }
 
-TEST_CASE("a consent is used once: by an enable, whether it succeeds or not") {
+TEST_CASE("G44: a consent is used once: by an enable, whether it succeeds or not") {
     rig t;
     t.go(300);
     t.r.model.raise(z::fault::overcurrent, z::fault::none); // not seen yet
@@ -418,7 +419,7 @@ TEST_CASE("after a fault motion needs a reset and an enable, each by a consent")
     CHECK_FALSE(t.r.model.enabled());
 }
 
-TEST_CASE("after a loss the drive is taken over again, and stays at rest until a consent") {
+TEST_CASE("G44: after a loss the drive is taken over again, and stays at rest until a consent") {
     rig t;
     t.enable_and_turn();
     SUBCASE("a restart") { t.r.model.power_cycle(); }
@@ -574,7 +575,7 @@ TEST_CASE("the latest setpoint is begun every period") {
     CHECK(t.count(loop_part::setpoint, errc::out_of_range) == 2);
 }
 
-TEST_CASE("on a bad line motion is only what was consented") {
+TEST_CASE("G44: on a bad line motion is only what was consented") {
     unsigned consents = 0;
     unsigned losses = 0;
     for (std::uint64_t seed = 1; seed <= 6; ++seed) {

@@ -99,7 +99,7 @@ TEST_CASE("a mirrored axis: commands, feedback, limits and declared places") {
     CHECK(r.drive.speed(milliseconds(100)).value_or({}) == -20_mm_per_s);
 }
 
-TEST_CASE("ways that are no whole number of pulses do not drift; what did not begin leaves no trace") {
+TEST_CASE("G42: ways that are no whole number of pulses do not drift; what did not begin leaves no trace") {
     ready<closed> r{third};
     for (int i = 1; i <= 300; ++i) {
         REQUIRE(r.by({100_um, quick}) == arrival_state::reached); // 33.3 pulses
@@ -132,7 +132,7 @@ TEST_CASE("the rest is kept over a halt, and dropped where the position is decla
     CHECK(r.place() == 201_um); // 67 pulses
 }
 
-TEST_CASE("a drive that counts otherwise than the program says is not taken over") {
+TEST_CASE("G42: a drive that counts otherwise than the program says is not taken over") {
     closed r{other};
     CHECK(r.drive.run(init{}).error() == errc::unexpected_value);
     CHECK(r.drive.state() == drive_state::needs_init);

@@ -43,7 +43,7 @@ constexpr twist forward{1_m_per_s, 0_rad_per_s}, curve{600_mm_per_s, 800_mrad_pe
 
 } // namespace
 
-TEST_CASE("twists become speeds of both wheels in one frame; above the limit both slow down") {
+TEST_CASE("G42: twists become speeds of both wheels in one frame; above the limit both slow down") {
     struct sender : simulated::driven_zlac8015d {
         zlac8015d::robot<line_type> robot{line, 1, base, unsupervised};
         std::size_t sent_speeds(std::int32_t left, std::int32_t right) {
@@ -106,7 +106,7 @@ TEST_CASE("an arc is not lost during blocking calls and stops") {
     CHECK(r.off() < 1);
 }
 
-TEST_CASE("a restart after 3.0 m straight, with the wheels rolling on") {
+TEST_CASE("G43: a restart after 3.0 m straight, with the wheels rolling on") {
     rig r;
     r.be_enabled();
     while (r.robot.pose().x() < 3_m) r.go(forward, 20);
@@ -126,7 +126,7 @@ TEST_CASE("a restart after 3.0 m straight, with the wheels rolling on") {
     CHECK_FALSE(r.robot.pose().is_continuous);
 }
 
-TEST_CASE("a pose is not continuous after init, cleared positions, a lost port; set_pose makes it so") {
+TEST_CASE("G43: a pose is not continuous after init, cleared positions, a lost port; set_pose makes it so") {
     rig r;
     r.be_enabled();
     r.go(curve, 500);
@@ -166,7 +166,7 @@ TEST_CASE("a program that stalls on a straight way keeps its pose, and loses it 
     }
 }
 
-TEST_CASE("a drive that counts otherwise than the program says is not taken over") {
+TEST_CASE("G42: a drive that counts otherwise than the program says is not taken over") {
     for (const unsigned lines : {1024u, 4096u, 0u}) {
         CAPTURE(lines);
         robots::machine other = machine;
