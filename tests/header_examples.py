@@ -37,6 +37,7 @@ BEFORE = """#include <array>
 #include <servobus/device/c630s/axis_drive.hpp>
 #include <servobus/device/yako/axis_drive.hpp>
 #include <servobus/device/zlac8015d/catalogue.hpp>
+#include <servobus/device/zlac8015d/axes.hpp>
 #include <servobus/device/zlac8015d/robot.hpp>
 #include <servobus/posix/mbap.hpp>
 #include <servobus/posix/serial.hpp>
@@ -85,6 +86,7 @@ GIVEN = {
     "control/axis_commands.hpp": LIFT,
     "device/c630s/axis_drive.hpp": LITERALS + WIRE,
     "device/yako/axis_drive.hpp": LITERALS + WIRE,
+    "device/zlac8015d/axes.hpp": LITERALS + WIRE,
     "device/zlac8015d/robot.hpp": LITERALS + WIRE,
     "bus/bus.hpp": NODES + WIRE + """inline constexpr poll_plan plan{
         modbus::timing_at(115200), controlled(wheels_node, unsupervised), controlled(lift_node, unsupervised),

@@ -4,6 +4,7 @@
 // A program in a machine's units: a robot by twists, a lift and a press by lengths. This file is only compiled.
 #include <servobus/device/c630s/axis_drive.hpp>
 #include <servobus/device/yako/axis_drive.hpp>
+#include <servobus/device/zlac8015d/axes.hpp>
 #include <servobus/device/zlac8015d/robot.hpp>
 #include <servobus/servobus.hpp>
 
@@ -56,4 +57,13 @@ micrometres_per_second press(line<some_uart>& wire) {
     if (servo.run(c630s::start_segment{1}, wait_reached{}).how == arrival_state::reached)
         (void)servo.run(servobus::move_at{10_mm_per_s});
     return servo.geometry().speed_of(servo.geometry().motor_speed_of(1_mm_per_s).value_or({}));
+}
+micrometres move_belts(line<some_uart>& wire) {
+    zlac8015d::axes belts{wire, 5, ram, screw, {.command_timeout = 300_ms}};
+    if (belts.left().begin(servobus::move_at{10_mm_per_s}) != errc::ok) return {};
+    if (!belts.right().run(servobus::move_to{10_mm})) return belts.right().arrival().missing;
+    if (belts.left().speed(milliseconds(100)).value_or({}) > 5_mm_per_s) return {};
+    const axis_arrival a = belts.left().run(servobus::move_by{10_mm}, wait_reached{});
+    return a.how == arrival_state::reached ? belts.left().position(milliseconds(100)).value_or({})
+                                           : a.missing;
 }

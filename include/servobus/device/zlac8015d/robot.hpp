@@ -15,21 +15,14 @@
 
 #include <servobus/axis/differential.hpp>
 #include <servobus/axis/odometry.hpp>
+#include <servobus/device/zlac8015d/counted_model.hpp>
 #include <servobus/device/zlac8015d/drive.hpp>
 #include <servobus/device/zlac8015d/wheel_step.hpp>
 
 namespace servobus::zlac8015d {
 
-namespace routines {
-/// What the positions count in a turn of each wheel.
-inline constexpr step encoder_lines[] = {
-    steps::fetch<left_encoder_lines>(0),
-    steps::fetch<right_encoder_lines>(1),
-};
-} // namespace routines
-
 /// The model of a drive whose wheels carry a robot: each feedback counts once.
-class robot_model : public model {
+class robot_model : public counted_model {
   public:
     /// `on` must outlive the model.
     constexpr void set_base(const differential& on) {
@@ -64,21 +57,9 @@ class robot_model : public model {
         const wheel_step right = step_of_right(right_in(r.before), right_in(r.words), r.between);
         return left.may_come_from_zero() && right.may_come_from_zero() && (left.is_odd() || right.is_odd());
     }
-    /// After `init` the encoder's lines are read: a drive that counts otherwise than the program says is not taken over.
     constexpr errc learn(prepared_command& c, const ending& e, settings& known) {
-        if (e.steps.data() == routine{routines::encoder_lines}.data()) {
-            if (!e.is_done) return errc::ok;
-            const bool is_as_said = counts_in(e.words[0]) == base_->base().left().counts_of_motor_turn() &&
-                                    counts_in(e.words[1]) == base_->base().right().counts_of_motor_turn();
-            if (is_as_said) known.state = drive_state::disabled;
-            return is_as_said ? errc::ok : errc::unexpected_value;
-        }
-        const bool is_initialised = e.is_done && c.then == effect::initialised;
-        const errc found = model::learn(c, e, known);
-        if (!is_initialised || found != errc::ok) return found;
-        known.state = drive_state::needs_init; // until the lines are known
-        c = {.steps = routines::encoder_lines, .then = effect::initialised};
-        return errc::ok;
+        const axle& on = base_->base();
+        return learn_counts(c, e, known, on.left().counts_of_motor_turn(), on.right().counts_of_motor_turn());
     }
 
   private:
@@ -102,12 +83,6 @@ class robot_model : public model {
                                        duration between) const {
         return {from, to, between, base_->base().right().counts_of_motor_turn()};
     }
-    /// Four counts a line follow from the manual's example, 20480 for five turns of 4096 (section 3.2). 0 lines count as
-    /// the factory's 1024.
-    static constexpr std::uint32_t counts_in(std::uint16_t lines) {
-        return 4u * (lines == 0 ? 1024u : lines);
-    }
-
     const differential* base_ = nullptr;
     odometry odometry_{};
     wheel_image left_{};

@@ -1,0 +1,192 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// ZLTECH ZLAC8015D: a drive whose two motors move an axis each, in lengths and speeds of the machine, such as two belts.
+// Programs include it beside or in place of servobus/device/zlac8015d.hpp.
+//
+//     static constexpr auto belt = axis::of(rolling(120_mm, counts_per_turn{4096}, gear{5, 1}));
+//     zlac8015d::axes belts{wire, 1, belt, belt, {.command_timeout = milliseconds(300)}};
+//     constexpr zlac8015d::enable_in ways{zlac8015d::operating_mode::relative_position, zlac8015d::synchronisation::asynchronous};
+//     if (!belts.run(init{}) || !belts.run(ways)) return 1;
+//     if (belts.left().run(servobus::move_by{250_mm}, wait_reached{}).how != arrival_state::reached) return 1;
+#pragma once
+
+#include <cstdint>
+
+#include <servobus/axis/axis_place.hpp>
+#include <servobus/control/axis_command.hpp>
+#include <servobus/control/axis_commands.hpp>
+#include <servobus/device/zlac8015d/counted_model.hpp>
+#include <servobus/device/zlac8015d/drive.hpp>
+
+namespace servobus::zlac8015d {
+
+using axis_command = servobus::axis_command<prepared_command>;
+
+/// The model of a drive with two axes.
+class axes_model : public counted_model {
+  public:
+    using prepared_command = axis_command;
+
+    constexpr void set_axes(const axis& left, const axis& right) {
+        left_ = axis_place{left};
+        right_ = axis_place{right};
+    }
+    constexpr const axis_place& place(wheels which) const { return which == wheels::left ? left_ : right_; }
+
+    constexpr void note(const block_feedback& r, const settings& known) {
+        if (known.state == drive_state::needs_init) return; // counts from elsewhere after it
+        left_.follow(position(r.words + image::place_of<left_actual_position>), r.epoch);
+        right_.follow(position(r.words + image::place_of<right_actual_position>), r.epoch);
+    }
+    static constexpr prepared_command stop_for(stop_priority priority, const settings& known, bool is_first) {
+        return model::stop_for(priority, known, is_first);
+    }
+    constexpr errc learn(prepared_command& c, const ending& e, settings& known) {
+        if (e.is_done && c.carries) (c.which == wheels::left ? left_ : right_).keep(c.rest);
+        c.carries = false;
+        return learn_counts(c, e, known, left_.geometry().counts_of_motor_turn(),
+                            right_.geometry().counts_of_motor_turn());
+    }
+
+  private:
+    static constexpr std::uint32_t position(const std::uint16_t* w) {
+        return join_words(w[0], w[1], device::facts.word_order);
+    }
+
+    axis_place left_{};
+    axis_place right_{};
+};
+
+namespace detail {
+/// A command of one axis, with its place.
+template <class Wanted> struct command_of_wheel {
+    const Wanted& wanted;
+    const axis_place& at;
+    wheels which;
+
+    constexpr axis_command plan(const cached_settings& known) const {
+        return plan_on_wheel(wanted, at, which, known);
+    }
+};
+// The drive's own profile counts: `position_speed` and `ramps` set it.
+constexpr errc profile_error(const axis_profile& by) {
+    return by.is_stored() ? errc::ok : errc::bad_argument;
+}
+} // namespace detail
+
+/// Absolute position mode, asynchronous: to a place from the drive's absolute zero (2006h). Errors: as `move_left_to`;
+/// `out_of_range`; `bad_argument` with a profile, which is the drive's: `position_speed`, `ramps`.
+constexpr axis_command plan_on_wheel(const servobus::move_to& wanted, const axis_place& at, wheels which,
+                                     const cached_settings& known) {
+    const result<std::int32_t> counts = at.geometry().counts_of(wanted.place);
+    const distance place{counts.value_or(0)};
+    axis_command c =
+        which == wheels::left ? move_left_to{place}.plan(known) : move_right_to{place}.plan(known);
+    c.refusal =
+        detail::first_error(c.refusal, detail::first_error(detail::profile_error(wanted.by), counts.error()));
+    return c;
+}
+/// Relative position mode, asynchronous. Errors likewise.
+constexpr axis_command plan_on_wheel(const servobus::move_by& wanted, const axis_place& at, wheels which,
+                                     const cached_settings& known) {
+    std::int32_t rest = 0;
+    const result<std::int32_t> counts = at.plan(wanted.way, rest);
+    const distance way{counts.value_or(0)};
+    axis_command c = which == wheels::left ? move_left_by{way}.plan(known) : move_right_by{way}.plan(known);
+    c.refusal =
+        detail::first_error(c.refusal, detail::first_error(detail::profile_error(wanted.by), counts.error()));
+    c.rest = rest;
+    c.carries = true;
+    return c;
+}
+/// Velocity mode, to the nearest count of the drive's speed; the other axis keeps its speed. Errors: as `left_velocity`;
+/// `out_of_range`, also for a speed that is not 0 and rounds to it.
+constexpr axis_command plan_on_wheel(const servobus::move_at& wanted, const axis_place& at, wheels which,
+                                     const cached_settings& known) {
+    const result<motor_speed> exact = at.geometry().motor_speed_of(wanted.speed);
+    const std::int32_t tenths = exact.value_or(motor_speed{}).count();
+    const bool is_beyond = tenths > 32'767 || tenths < -32'767; // 3276.7 r/min
+    const std::int32_t n = known.resolution, parts = is_beyond ? 0 : tenths * n;
+    const std::int32_t counts = (parts + (parts < 0 ? -5 : 5)) / 10;
+    const speed to{counts * (2520 / n)};
+    axis_command c = which == wheels::left ? left_velocity{to}.plan(known) : right_velocity{to}.plan(known);
+    const errc lost = counts == 0 && wanted.speed.count() != 0 ? errc::out_of_range : errc::ok;
+    c.refusal = detail::first_error(exact.error(), detail::first_error(lost, c.refusal));
+    return c;
+}
+
+/// One axis of a drive with two.
+template <class Drive> class axis_of_drive {
+  public:
+    constexpr axis_of_drive(Drive& of, wheels which) : drive_{&of}, which_{which} {}
+
+    /// The axis that the motor moves.
+    constexpr const axis& geometry() const { return place().geometry(); }
+
+    /// Runs a command of this axis: `move_to`, `move_by`, `move_at`. Waits.
+    template <class Wanted> routine_status run(const Wanted& wanted) {
+        return drive_->run(detail::command_of_wheel<Wanted>{wanted, place(), which_});
+    }
+    template <class Wanted> [[nodiscard]] constexpr errc begin(const Wanted& wanted) {
+        return drive_->begin(detail::command_of_wheel<Wanted>{wanted, place(), which_});
+    }
+    /// Runs a move of this axis and waits for its end. Returns how that was; `none` if the move did not begin, as `last` says.
+    template <class Move> axis_arrival run(const Move& move, const wait_reached& end) {
+        if (!run(move)) return {};
+        (void)drive_->run(wait_wheels_reached{which_, end.limit});
+        return arrival();
+    }
+    constexpr axis_arrival arrival() const {
+        const zlac8015d::arrival a = drive_->arrival(which_);
+        const distance missing = which_ == wheels::left ? a.left_missing : a.right_missing;
+        return {a.how, a.cause, geometry().length_of(missing.count()).value_or(micrometres{})};
+    }
+
+    /// Where the axis is, by feedback that is at most `oldest` old; counted from elsewhere after `init`, a restart, a cleared
+    /// position. Errors: as `feedback`.
+    constexpr result<micrometres> position(duration oldest) const {
+        const auto seen = drive_->feedback(oldest);
+        if (!seen) return seen.error();
+        return place().length();
+    }
+    /// The speed of the axis, likewise.
+    constexpr result<micrometres_per_second> speed(duration oldest) const {
+        const auto seen = drive_->feedback(oldest);
+        if (!seen) return seen.error();
+        const std::int32_t tenths =
+            which_ == wheels::left ? seen->left_speed.count() : seen->right_speed.count();
+        return geometry().speed_of(motor_speed{tenths});
+    }
+
+  private:
+    constexpr const axis_place& place() const { return drive_->place(which_); }
+
+    Drive* drive_;
+    wheels which_;
+};
+
+/// One ZLAC8015D on a line whose motors move an axis each. `init` compares the counts of a turn with the encoders' lines, 2030h
+/// and 2060h: `unexpected_value`.
+template <class Line> class axes : public drive<Line, axes_model> {
+    using base = drive<Line, axes_model>;
+
+  public:
+    constexpr axes(Line& wire, std::uint8_t at, const axis& left, const axis& right, const supervision& by)
+        : axes{wire, servobus::node<device>{at}, left, right, by} {}
+    /// With limits and gaps of its own.
+    constexpr axes(Line& wire, const servobus::node<device>& at, const axis& left, const axis& right,
+                   const supervision& by)
+        : base{wire, at, by} {
+        this->model().set_axes(left, right);
+    }
+
+    constexpr axis_of_drive<axes> left() { return {*this, wheels::left}; }
+    constexpr axis_of_drive<axes> right() { return {*this, wheels::right}; }
+    constexpr const axis_place& place(wheels which) const { return this->model().place(which); }
+};
+template <class Line> axes(Line&, std::uint8_t, const axis&, const axis&, const supervision&) -> axes<Line>;
+template <class Line>
+axes(Line&, const servobus::node<device>&, const axis&, const axis&, const supervision&) -> axes<Line>;
+
+} // namespace servobus::zlac8015d

@@ -1,0 +1,52 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// ZLTECH ZLAC8015D: compares the counts of a turn that a program states with the drive's encoder lines, once it is taken over.
+// zlac8015d/robot.hpp and zlac8015d/axes.hpp include it.
+//
+//     static_assert(zlac8015d::counted_model::counts_in(1024) == 4096); // 2030h, 2060h
+#pragma once
+
+#include <cstdint>
+
+#include <servobus/device/zlac8015d/model.hpp>
+
+namespace servobus::zlac8015d {
+
+namespace routines {
+/// What the positions count in a turn of each wheel.
+inline constexpr step encoder_lines[] = {
+    steps::fetch<left_encoder_lines>(0),
+    steps::fetch<right_encoder_lines>(1),
+};
+} // namespace routines
+
+/// The model of a drive whose counts have lengths.
+class counted_model : public model {
+  public:
+    /// Four counts a line follow from the manual's example, 20480 for five turns of 4096 (section 3.2). 0 lines count as
+    /// the factory's 1024.
+    static constexpr std::uint32_t counts_in(std::uint16_t lines) {
+        return 4u * (lines == 0 ? 1024u : lines);
+    }
+
+  protected:
+    /// As `learn`; after `init` the lines are read, and a drive that counts otherwise is not taken over.
+    constexpr errc learn_counts(prepared_command& c, const ending& e, settings& known, std::uint32_t left,
+                                std::uint32_t right) {
+        if (e.steps.data() == routine{routines::encoder_lines}.data()) {
+            if (!e.is_done) return errc::ok;
+            const bool is_as_said = counts_in(e.words[0]) == left && counts_in(e.words[1]) == right;
+            if (is_as_said) known.state = drive_state::disabled;
+            return is_as_said ? errc::ok : errc::unexpected_value;
+        }
+        const bool is_initialised = e.is_done && c.then == effect::initialised;
+        const errc found = model::learn(c, e, known);
+        if (!is_initialised || found != errc::ok) return found;
+        known.state = drive_state::needs_init; // until the lines are known
+        c = {.steps = routines::encoder_lines, .then = effect::initialised};
+        return errc::ok;
+    }
+};
+
+} // namespace servobus::zlac8015d
