@@ -11,6 +11,7 @@
 #include <cstdint>
 #include <string>
 #include <system_error>
+#include <vector>
 
 #include "hardware_interface/hardware_info.hpp"
 #include "hardware_interface/types/hardware_interface_type_values.hpp"
@@ -29,6 +30,7 @@ struct parameters {
     std::uint32_t acceleration_ms = 500;
     std::uint32_t deceleration_ms = 500;
     std::uint32_t feedback_ms = 20;
+    std::uint32_t response_ms = 50;
     bool left_mirrored = false;
     bool right_mirrored = false;
     bool reset_faults = false;
@@ -55,7 +57,7 @@ struct number_parameter {
     std::uint32_t high;
     bool is_required;
 };
-inline constexpr std::array<number_parameter, 9> numbers{{
+inline constexpr std::array<number_parameter, 10> numbers{{
     {"node", &parameters::node, 1, 127, false},
     {"baud", &parameters::baud, 9600, 128000, false},
     {"left_counts_per_turn", &parameters::left_counts_per_turn, 4, 16384, true},
@@ -65,6 +67,7 @@ inline constexpr std::array<number_parameter, 9> numbers{{
     {"acceleration_ms", &parameters::acceleration_ms, 0, 32767, false},
     {"deceleration_ms", &parameters::deceleration_ms, 0, 32767, false},
     {"feedback_ms", &parameters::feedback_ms, 5, 1000, false},
+    {"response_ms", &parameters::response_ms, 10, 1000, false},
 }};
 
 struct switch_parameter {
@@ -164,7 +167,8 @@ inline std::string check_components(const hardware_interface::HardwareInfo& info
         }
     }
     if (!info.gpios.empty()) return "there are no GPIOs";
-    if (!info.transmissions.empty()) return "transmissions are not applied: state the wheel's own counts per turn";
+    if (!info.transmissions.empty())
+        return "transmissions are not applied: state the wheel's own counts per turn";
     return {};
 }
 

@@ -41,16 +41,17 @@ template <class Port> class robot_hardware {
         chosen_ = wanted;
         wheels_[0] = {wanted.left_counts_per_turn, wanted.left_mirrored};
         wheels_[1] = {wanted.right_counts_per_turn, wanted.right_mirrored};
-        servobus::posix::serial_settings how = servobus::posix::settings_of(servobus::zlac8015d::device::facts);
+        servobus::posix::serial_settings how =
+            servobus::posix::settings_of(servobus::zlac8015d::device::facts);
         how.baud = wanted.baud;
         how.rs485 = wanted.rs485;
         if (const servobus::errc e = port_.open(wanted.port.c_str(), how); e != servobus::errc::ok)
             return "cannot open " + wanted.port + ": " + system_error();
         line_.emplace(port_, servobus::modbus::timing_at(wanted.baud));
-        drive_.emplace(*line_, node(),
-                       servobus::supervision{.feedback = servobus::milliseconds(wanted.feedback_ms),
-                                             .command_timeout =
-                                                 servobus::milliseconds(wanted.command_timeout_ms)});
+        drive_.emplace(
+            *line_, node(),
+            servobus::supervision{.feedback = servobus::milliseconds(wanted.feedback_ms),
+                                  .command_timeout = servobus::milliseconds(wanted.command_timeout_ms)});
         drive_->go_on_from(followed_);
         return {};
     }
@@ -72,11 +73,11 @@ template <class Port> class robot_hardware {
         std::string error = take_over();
         if (error.empty()) error = check_counts();
         if (error.empty()) error = enable();
+        publish();
         if (!error.empty()) return error;
         is_taken_over_ = true;
         left_ = right_ = 0;
         is_due_ = true;
-        publish();
         return {};
     }
     /// Stops the wheels and takes their power; both stand if no error is returned. Waits, at most for the ramp and 3 s.
@@ -123,8 +124,7 @@ template <class Port> class robot_hardware {
     }
     /// True once if a drive that was taken over has been lost since.
     bool take_loss() {
-        const bool is_lost =
-            is_taken_over_ && drive_ && drive_->state() == servobus::drive_state::needs_init;
+        const bool is_lost = is_taken_over_ && drive_ && drive_->state() == servobus::drive_state::needs_init;
         if (is_lost) is_taken_over_ = false;
         return is_lost;
     }
@@ -140,13 +140,13 @@ template <class Port> class robot_hardware {
     static constexpr int most_steps = 8;
 
     servobus::node<servobus::zlac8015d::device> node() const {
-        return servobus::node<servobus::zlac8015d::device>{static_cast<std::uint8_t>(chosen_.node)};
+        const servobus::node<servobus::zlac8015d::device> at{static_cast<std::uint8_t>(chosen_.node)};
+        return prompt(at, servobus::milliseconds(chosen_.response_ms));
     }
     std::string system_error() const { return std::generic_category().message(port_.os_error()); }
 
     void step() {
-        for (int i = 0; i < most_steps && drive_->step() == duration{}; ++i) {
-        }
+        for (int i = 0; i < most_steps && drive_->step() == duration{}; ++i) {}
     }
     void publish() {
         for (std::size_t i = 0; i < 2; ++i) position_[i] = wheels_[i].rad_of(drive_->followed().counts(i));
@@ -164,15 +164,14 @@ template <class Port> class robot_hardware {
         const zlac8015d::watchdog watchdog{time_of(chosen_.watchdog_ms)};
         const zlac8015d::ramps ramps{time_of(chosen_.acceleration_ms), time_of(chosen_.deceleration_ms)};
         const take_over_status ready =
-            chosen_.reset_faults
-                ? drive_->run(servobus::take_over{with_fault_reset{}, fine, watchdog, ramps})
-                : drive_->run(servobus::take_over{fine, watchdog, ramps});
+            chosen_.reset_faults ? drive_->run(servobus::take_over{with_fault_reset{}, fine, watchdog, ramps})
+                                 : drive_->run(servobus::take_over{fine, watchdog, ramps});
         if (drive_->state() == drive_state::faulted)
             return faults_of(*drive_) + "; parameter reset_faults lets an activation reset them";
         if (ready) return {};
         constexpr const char* settings[] = {"", " (resolution)", " (watchdog_ms)", " (ramps)"};
-        return std::string{"the drive is not taken over: "} + text(ready.part()) + settings[ready.setting() & 3u] +
-               ": " + text(ready.error());
+        return std::string{"the drive is not taken over: "} + text(ready.part()) +
+               settings[ready.setting() & 3u] + ": " + text(ready.error());
     }
     static servobus::zlac8015d::time time_of(std::uint32_t ms) {
         return servobus::zlac8015d::time{static_cast<std::int32_t>(ms)};
@@ -184,24 +183,26 @@ template <class Port> class robot_hardware {
         const auto left = registers.template read<servobus::zlac8015d::left_encoder_lines>();
         const auto right = registers.template read<servobus::zlac8015d::right_encoder_lines>();
         if (!left || !right)
-            return std::string{"the encoder's lines cannot be read: "} + text(left ? right.error() : left.error());
+            return std::string{"the encoder's lines cannot be read: "} +
+                   text(left ? right.error() : left.error());
         std::string error = compare("left", "2030h", *left, wheels_[0]);
         if (error.empty()) error = compare("right", "2060h", *right, wheels_[1]);
         return error;
     }
-    static std::string compare(const char* side, const char* where, std::uint32_t lines, const wheel& stated) {
+    static std::string compare(const char* side, const char* where, std::uint32_t lines,
+                               const wheel& stated) {
         const std::uint32_t counts = 4 * (lines == 0 ? 1024 : lines); // the drive counts 0 as the factory's
         if (counts == stated.counts_per_turn) return {};
         return std::string{side} + "_counts_per_turn is " + std::to_string(stated.counts_per_turn) +
-               ", but the drive counts " + std::to_string(counts) + ": its encoder lines, " + where + ", are " +
-               std::to_string(lines);
+               ", but the drive counts " + std::to_string(counts) + ": its encoder lines, " + where +
+               ", are " + std::to_string(lines);
     }
 
     std::string enable() {
         const servobus::routine_status energised = drive_->run(servobus::enable{});
         if (energised && drive_->state() == servobus::drive_state::enabled) return {};
-        const std::string why = std::string{"the drive is not enabled: "} + text(energised.error()) +
-                                "; is a wired stop active?";
+        const std::string why =
+            std::string{"the drive is not enabled: "} + text(energised.error()) + "; is a wired stop active?";
         (void)run(servobus::disable{});
         return why;
     }

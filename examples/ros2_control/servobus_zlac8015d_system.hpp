@@ -77,10 +77,10 @@ template <class Port> class basic_zlac8015d_system : public hardware_interface::
     CallbackReturn on_activate(const state&) override {
         commands_[0] = commands_[1] = 0;
         is_reported_ = false;
-        if (const std::string error = robot_.activate(); !error.empty())
-            return fail(error, CallbackReturn::FAILURE);
-        is_active_ = true;
+        const std::string error = robot_.activate();
         publish();
+        if (!error.empty()) return fail(error, CallbackReturn::FAILURE);
+        is_active_ = true;
         RCLCPP_INFO(logger(), "%s: the drive is enabled on %s", info_.name.c_str(), chosen_.port.c_str());
         return CallbackReturn::SUCCESS;
     }
@@ -112,7 +112,8 @@ template <class Port> class basic_zlac8015d_system : public hardware_interface::
         publish();
         if (is_active_) return report(robot_.trouble());
         if (robot_.take_loss())
-            RCLCPP_WARN(logger(), "%s: the inactive drive has restarted or does not respond", info_.name.c_str());
+            RCLCPP_WARN(logger(), "%s: the inactive drive has restarted or does not respond",
+                        info_.name.c_str());
         return return_type::OK;
     }
     /// Gives the drive the latest command; does not wait.

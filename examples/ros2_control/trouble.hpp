@@ -34,7 +34,8 @@ std::string trouble_of(const Drive& drive, const std::string& port_error, std::u
     using servobus::stop_cause;
     const drive_state state = drive.state();
     const stop_cause cause = drive.cause();
-    const bool is_held = cause == stop_cause::fault || cause == stop_cause::input || cause == stop_cause::restart;
+    const bool is_held =
+        cause == stop_cause::fault || cause == stop_cause::input || cause == stop_cause::restart;
     if (port_error.empty() && state == drive_state::enabled && !is_held) return {};
     std::string why;
     if (!port_error.empty())
@@ -46,7 +47,8 @@ std::string trouble_of(const Drive& drive, const std::string& port_error, std::u
     else if (cause == stop_cause::restart)
         why = "the drive has restarted, or was switched off";
     else if (drive.is_absent())
-        why = "the drive did not respond for the time of its watchdog, " + std::to_string(watchdog_ms) + " ms";
+        why =
+            "the drive did not respond for the time of its watchdog, " + std::to_string(watchdog_ms) + " ms";
     else
         why = "the outcome of a command is not known";
     return why + " [state: " + text(state) + ", cause: " + text(cause) + "]";

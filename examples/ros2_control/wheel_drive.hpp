@@ -32,7 +32,8 @@ struct wheel {
 
 /// Makes one command of the speeds of both wheels, in rad/s. A pair that is too fast slows down by one factor: here where it
 /// exceeds the type of a speed, and in the command where it exceeds the drive's limit.
-inline servobus::zlac8015d::clamped_velocity velocity_of(const wheel (&wheels)[2], double left, double right) {
+inline servobus::zlac8015d::clamped_velocity velocity_of(const wheel (&wheels)[2], double left,
+                                                         double right) {
     using servobus::zlac8015d::speed;
     constexpr double parts = 2520 * 60 / rad_per_turn; // of a speed in a rad/s
     constexpr double most = 2e9;
@@ -51,7 +52,8 @@ class wheels_model : public servobus::zlac8015d::model {
         if (known.state == servobus::drive_state::needs_init) return; // counted from elsewhere
         const bool is_same = is_known_ && seen.epoch == epoch_;
         for (std::size_t i = 0; i < 2; ++i) {
-            const std::uint16_t* const at = seen.words + image::place_of<servobus::zlac8015d::left_actual_position> + 2 * i;
+            const std::uint16_t* const at =
+                seen.words + image::place_of<servobus::zlac8015d::left_actual_position> + 2 * i;
             const servobus::u32 now =
                 servobus::join_words(at[0], at[1], servobus::zlac8015d::device::facts.word_order);
             if (is_same) counts_[i] += static_cast<std::int32_t>(now - last_[i]);

@@ -46,7 +46,8 @@ class component {
     }
     void configure() {
         if (state_ != primary::PRIMARY_STATE_UNCONFIGURED) return;
-        change(of_.on_configure(now_in()), primary::PRIMARY_STATE_INACTIVE, primary::PRIMARY_STATE_UNCONFIGURED);
+        change(of_.on_configure(now_in()), primary::PRIMARY_STATE_INACTIVE,
+               primary::PRIMARY_STATE_UNCONFIGURED);
     }
     void activate() {
         if (state_ != primary::PRIMARY_STATE_INACTIVE) return;
@@ -57,7 +58,8 @@ class component {
         change(of_.on_deactivate(now_in()), primary::PRIMARY_STATE_INACTIVE, primary::PRIMARY_STATE_ACTIVE);
     }
     void clean_up() {
-        change(of_.on_cleanup(now_in()), primary::PRIMARY_STATE_UNCONFIGURED, primary::PRIMARY_STATE_INACTIVE);
+        change(of_.on_cleanup(now_in()), primary::PRIMARY_STATE_UNCONFIGURED,
+               primary::PRIMARY_STATE_INACTIVE);
     }
     void shut_down() {
         change(of_.on_shutdown(now_in()), primary::PRIMARY_STATE_FINALIZED, primary::PRIMARY_STATE_FINALIZED);
@@ -85,7 +87,8 @@ class component {
     }
 
   private:
-    using transfer = return_type (hardware_interface::SystemInterface::*)(const rclcpp::Time&, const rclcpp::Duration&);
+    using transfer = return_type (hardware_interface::SystemInterface::*)(const rclcpp::Time&,
+                                                                          const rclcpp::Duration&);
 
     rclcpp_lifecycle::State now_in() const { return {state_, ""}; }
     void change(CallbackReturn how, std::uint8_t success, std::uint8_t failure) {

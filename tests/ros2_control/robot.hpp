@@ -64,7 +64,9 @@ class virtual_port {
 
     transfer send(bytes out) { return is_open_ ? seen(wire->send(out)) : transfer{errc::port_lost}; }
     bool sent() { return wire->sent(); }
-    transfer receive(byte_buffer in) { return is_open_ ? seen(wire->receive(in)) : transfer{errc::port_lost}; }
+    transfer receive(byte_buffer in) {
+        return is_open_ ? seen(wire->receive(in)) : transfer{errc::port_lost};
+    }
     instant now() { return wire->now(); }
     void wait(duration d) { wire->wait(d); }
 
@@ -170,7 +172,8 @@ struct world {
     }
 
     static constexpr double turn = 6.283185307179586;
-    std::uint64_t longest_us = 0; // of a read and a write without an error, in virtual time: what calls of the port take
+    std::uint64_t longest_us =
+        0; // of a read and a write without an error, in virtual time: what calls of the port take
     unsigned cycles = 0;
 };
 

@@ -12,7 +12,7 @@ namespace stand_in {
 template <class Base> std::unique_ptr<Base> make_plugin();
 } // namespace stand_in
 
-#define PLUGINLIB_EXPORT_CLASS(class_type, base_class_type)                                                            \
-    template <> std::unique_ptr<base_class_type> stand_in::make_plugin<base_class_type>() {                            \
-        return std::unique_ptr<base_class_type>{new class_type};                                                       \
+#define PLUGINLIB_EXPORT_CLASS(class_type, base_class_type)                                                  \
+    template <> std::unique_ptr<base_class_type> stand_in::make_plugin<base_class_type>() {                  \
+        return std::unique_ptr<base_class_type>{new class_type};                                             \
     }

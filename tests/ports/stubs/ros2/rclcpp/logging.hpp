@@ -20,7 +20,8 @@ inline std::vector<std::string>& logged() {
     return all;
 }
 
-[[gnu::format(printf, 3, 4)]] inline void log(const rclcpp::Logger&, const char* level, const char* format, ...) {
+[[gnu::format(printf, 3, 4)]] inline void log(const rclcpp::Logger&, const char* level, const char* format,
+                                              ...) {
     char text[1024];
     va_list arguments;
     va_start(arguments, format);

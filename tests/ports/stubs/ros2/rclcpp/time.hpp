@@ -12,7 +12,8 @@ namespace rclcpp {
 
 class Time {
   public:
-    explicit Time(std::int64_t nanoseconds = 0, rcl_clock_type_t = RCL_SYSTEM_TIME) : nanoseconds_{nanoseconds} {}
+    explicit Time(std::int64_t nanoseconds = 0, rcl_clock_type_t = RCL_SYSTEM_TIME)
+        : nanoseconds_{nanoseconds} {}
     virtual ~Time() = default;
     std::int64_t nanoseconds() const { return nanoseconds_; }
 

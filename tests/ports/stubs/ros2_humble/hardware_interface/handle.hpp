@@ -10,7 +10,8 @@ namespace hardware_interface {
 
 class ReadOnlyHandle {
   public:
-    ReadOnlyHandle(const std::string& prefix_name, const std::string& interface_name, double* value_ptr = nullptr)
+    ReadOnlyHandle(const std::string& prefix_name, const std::string& interface_name,
+                   double* value_ptr = nullptr)
         : prefix_name_{prefix_name}, interface_name_{interface_name}, value_ptr_{value_ptr} {}
     ReadOnlyHandle(const ReadOnlyHandle& other) = default;
     ReadOnlyHandle(ReadOnlyHandle&& other) = default;

@@ -33,10 +33,12 @@ class SystemInterface : public rclcpp_lifecycle::node_interfaces::LifecycleNodeI
     }
     virtual std::vector<StateInterface> export_state_interfaces() = 0;
     virtual std::vector<CommandInterface> export_command_interfaces() = 0;
-    virtual return_type prepare_command_mode_switch(const std::vector<std::string>&, const std::vector<std::string>&) {
+    virtual return_type prepare_command_mode_switch(const std::vector<std::string>&,
+                                                    const std::vector<std::string>&) {
         return return_type::OK;
     }
-    virtual return_type perform_command_mode_switch(const std::vector<std::string>&, const std::vector<std::string>&) {
+    virtual return_type perform_command_mode_switch(const std::vector<std::string>&,
+                                                    const std::vector<std::string>&) {
         return return_type::OK;
     }
     virtual return_type read(const rclcpp::Time& time, const rclcpp::Duration& period) = 0;

@@ -12,10 +12,10 @@ namespace hardware_interface {
 
 class Handle {
   public:
-    [[deprecated("Use InterfaceDescription for initializing the Interface")]]
-    Handle(const std::string& prefix_name, const std::string& interface_name, double* value_ptr)
-        : prefix_name_{prefix_name}, interface_name_{interface_name}, handle_name_{prefix_name + "/" + interface_name},
-          value_ptr_{value_ptr} {}
+    [[deprecated("Use InterfaceDescription for initializing the Interface")]] Handle(
+        const std::string& prefix_name, const std::string& interface_name, double* value_ptr)
+        : prefix_name_{prefix_name}, interface_name_{interface_name},
+          handle_name_{prefix_name + "/" + interface_name}, value_ptr_{value_ptr} {}
     Handle(const Handle& other) noexcept = default;
     Handle& operator=(const Handle& other) = default;
     virtual ~Handle() = default;

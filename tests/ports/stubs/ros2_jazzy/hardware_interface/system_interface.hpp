@@ -37,8 +37,9 @@ class HardwareComponentInterface : public rclcpp_lifecycle::node_interfaces::Lif
     HardwareComponentInterface(HardwareComponentInterface&& other) = delete;
     virtual ~HardwareComponentInterface() = default;
 
-    [[deprecated("Use on_init(const HardwareComponentInterfaceParams & params) instead.")]]
-    virtual CallbackReturn on_init(const HardwareInfo& hardware_info) {
+    [[deprecated(
+        "Use on_init(const HardwareComponentInterfaceParams & params) instead.")]] virtual CallbackReturn
+    on_init(const HardwareInfo& hardware_info) {
         info_ = hardware_info;
         return CallbackReturn::SUCCESS;
     }
@@ -46,19 +47,21 @@ class HardwareComponentInterface : public rclcpp_lifecycle::node_interfaces::Lif
         return on_init(params.hardware_info);
     }
     [[deprecated("Replaced by vector<StateInterface::ConstSharedPtr> on_export_state_interfaces() method. "
-                 "Exporting is handled by the Framework.")]]
-    virtual std::vector<StateInterface> export_state_interfaces() {
+                 "Exporting is handled by the Framework.")]] virtual std::vector<StateInterface>
+    export_state_interfaces() {
         return {};
     }
     [[deprecated("Replaced by vector<CommandInterface::SharedPtr> on_export_command_interfaces() method. "
-                 "Exporting is handled by the Framework.")]]
-    virtual std::vector<CommandInterface> export_command_interfaces() {
+                 "Exporting is handled by the Framework.")]] virtual std::vector<CommandInterface>
+    export_command_interfaces() {
         return {};
     }
-    virtual return_type prepare_command_mode_switch(const std::vector<std::string>&, const std::vector<std::string>&) {
+    virtual return_type prepare_command_mode_switch(const std::vector<std::string>&,
+                                                    const std::vector<std::string>&) {
         return return_type::OK;
     }
-    virtual return_type perform_command_mode_switch(const std::vector<std::string>&, const std::vector<std::string>&) {
+    virtual return_type perform_command_mode_switch(const std::vector<std::string>&,
+                                                    const std::vector<std::string>&) {
         return return_type::OK;
     }
     virtual return_type read(const rclcpp::Time& time, const rclcpp::Duration& period) = 0;
