@@ -50,7 +50,7 @@ std::string trouble_of(const Drive& drive, const std::string& port_error, std::u
         why =
             "the drive did not respond for the time of its watchdog, " + std::to_string(watchdog_ms) + " ms";
     else
-        why = "the outcome of a command is not known";
+        why = std::string{"the outcome of a command is not known: "} + text(drive.last().error());
     return why + " [state: " + text(state) + ", cause: " + text(cause) + "]";
 }
 

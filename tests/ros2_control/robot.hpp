@@ -56,19 +56,20 @@ class virtual_port {
         CHECK(how.baud == 115200);
         error_ = std::strcmp(path, "/dev/robot") == 0 ? 0 : ENOENT;
         is_open_ = error_ == 0;
+        wire_ = wire;
         return is_open_ ? errc::ok : errc::port_lost;
     }
     void close() { is_open_ = false; }
     bool is_open() const { return is_open_; }
     int os_error() const { return error_; }
 
-    transfer send(bytes out) { return is_open_ ? seen(wire->send(out)) : transfer{errc::port_lost}; }
-    bool sent() { return wire->sent(); }
+    transfer send(bytes out) { return is_open_ ? seen(wire_->send(out)) : transfer{errc::port_lost}; }
+    bool sent() { return wire_->sent(); }
     transfer receive(byte_buffer in) {
-        return is_open_ ? seen(wire->receive(in)) : transfer{errc::port_lost};
+        return is_open_ ? seen(wire_->receive(in)) : transfer{errc::port_lost};
     }
-    instant now() { return wire->now(); }
-    void wait(duration d) { wire->wait(d); }
+    instant now() { return wire_->now(); }
+    void wait(duration d) { wire_->wait(d); }
 
   private:
     transfer seen(const transfer& how) {
@@ -78,6 +79,7 @@ class virtual_port {
         }
         return how;
     }
+    sim::virtual_line* wire_ = nullptr; // of the world in which it was opened
     bool is_open_ = false;
     int error_ = 0;
 };
