@@ -79,7 +79,7 @@ on_a_terminal() {
 part=${1:-all}
 if [ "$part" != terminal ]; then
     check "the runner" g++ $humble -c tests/run/main.cpp -o "$build/main.o"
-    for source in driving losses lifecycle; do
+    for source in driving losses lifecycle hostile; do
         check "g++, Humble: $source" in_virtual_time $source g++ $humble
         check "clang++ with sanitizers, Jazzy: $source" in_virtual_time $source clang++ $jazzy $sanitized
     done

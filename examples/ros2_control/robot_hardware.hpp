@@ -66,11 +66,14 @@ template <class Port> class robot_hardware {
     }
     bool is_open() const { return drive_.has_value(); }
 
-    /// Takes the drive over and energises it; nothing moves. Waits, up to the drive's ramps and the time of a few lost frames.
+    /// Takes the drive over and energises it; nothing moves. A port that was lost is opened again. Waits, up to the drive's
+    /// ramps and the time of a few lost frames.
     std::string activate() {
-        if (!drive_) return "the port is not open";
         is_taken_over_ = false;
-        std::string error = take_over();
+        std::string error;
+        if (!drive_ || !port_.is_open()) error = open(parameters{chosen_});
+        if (!error.empty()) return error;
+        error = take_over();
         if (error.empty()) error = check_counts();
         if (error.empty()) error = enable();
         publish();

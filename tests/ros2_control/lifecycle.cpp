@@ -112,6 +112,21 @@ TEST_CASE(
     CHECK(w.component.is_active());
 }
 
+TEST_CASE("a port that was lost while the component was inactive is opened again by the activation") {
+    world w;
+    w.begin();
+    w.component.deactivate();
+    w.wire.unplug();
+    REQUIRE(w.run(1000) == return_type::OK);
+    w.component.activate();
+    CHECK(w.component.state() == primary::PRIMARY_STATE_INACTIVE);
+    CHECK(w.errors().size() == 1);
+    w.wire.plug();
+    w.component.activate();
+    CHECK(w.component.is_active());
+    CHECK(virtual_port::opened == 3);
+}
+
 TEST_CASE("counts that contradict the drive's encoder lines fail the activation, and the drive stays without "
           "power") {
     for (const bool is_left : {true, false}) {
