@@ -79,7 +79,6 @@ template <class Port> class robot_hardware {
         publish();
         if (!error.empty()) return error;
         is_taken_over_ = true;
-        left_ = right_ = 0;
         is_due_ = true;
         return {};
     }

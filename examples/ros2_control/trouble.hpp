@@ -34,9 +34,7 @@ std::string trouble_of(const Drive& drive, const std::string& port_error, std::u
     using servobus::stop_cause;
     const drive_state state = drive.state();
     const stop_cause cause = drive.cause();
-    const bool is_held =
-        cause == stop_cause::fault || cause == stop_cause::input || cause == stop_cause::restart;
-    if (port_error.empty() && state == drive_state::enabled && !is_held) return {};
+    if (port_error.empty() && state == drive_state::enabled) return {};
     std::string why;
     if (!port_error.empty())
         why = "the port is gone (" + port_error + ")";

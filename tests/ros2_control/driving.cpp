@@ -97,9 +97,15 @@ TEST_CASE("a command that is no finite number is not sent, and ends in a stop") 
 }
 
 TEST_CASE("positions are continuous over the wrap of the drive's 32 bits, in both directions") {
-    for (const double sign : {1.0, -1.0}) {
+    struct wrap {
+        u32 from;
+        double sign;
+    };
+    // Of signed numbers, and of numbers without a sign.
+    for (const auto [from, sign] : {wrap{0x7FFF'F800u, 1.0}, wrap{0x8000'0800u, -1.0},
+                                    wrap{0xFFFF'F800u, 1.0}, wrap{0x0000'0800u, -1.0}}) {
         world w;
-        w.drive.shift = sign > 0 ? 0x7FFF'F800u : 0x8000'0800u;
+        w.drive.shift = from;
         w.begin();
         REQUIRE(w.component.is_active());
         w.component.command(sign * 6, -sign * 6); // both count in one direction
@@ -115,6 +121,18 @@ TEST_CASE("positions are continuous over the wrap of the drive's 32 bits, in bot
         CHECK(w.position("left") == doctest::Approx(w.left()).epsilon(1e-9));
         CHECK(w.position("right") == doctest::Approx(w.right()).epsilon(1e-9));
         CHECK(w.component.value("drive/position_gaps") == 0);
+    }
+}
+
+TEST_CASE("a command of one wheel is sent as soon as one of both") {
+    for (const bool is_left : {true, false}) {
+        world w;
+        w.begin();
+        REQUIRE(w.run(1000) == return_type::OK);
+        w.component.command(is_left ? 1 : 0, is_left ? 0 : 1);
+        REQUIRE(w.run(60) == return_type::OK);
+        CHECK(w.drive.peek(0x2088) == (is_left ? 95 : 0)); // 0.1 r/min
+        CHECK(static_cast<std::int16_t>(w.drive.peek(0x2089)) == (is_left ? 0 : -95));
     }
 }
 

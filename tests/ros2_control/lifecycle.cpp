@@ -204,6 +204,24 @@ TEST_CASE("each way out stops wheels that turn: they stand and have no power") {
     }
 }
 
+TEST_CASE("a stop that is not confirmed is tried again by on_error") {
+    unsigned second = 0;
+    for (std::uint32_t ms = 100; ms <= 3000; ms += 100) {
+        world w;
+        w.begin();
+        w.component.command(5, 5);
+        REQUIRE(w.run(1500) == return_type::OK);
+        w.wire.cut_for(milliseconds(ms));
+        w.component.deactivate();
+        if (w.component.state() == primary::PRIMARY_STATE_INACTIVE) CHECK(!w.drive.enabled()); // confirmed
+        second += w.component.state() == primary::PRIMARY_STATE_UNCONFIGURED && !w.drive.enabled() ? 1u : 0u;
+        CHECK(w.run(2500) == return_type::OK);
+        CHECK(w.drive.stands_still());
+    }
+    MESSAGE(second, " of 30 by the second attempt");
+    CHECK(second > 0);
+}
+
 TEST_CASE("positions are followed while the component is inactive, and go on over each transition") {
     world w;
     w.begin();

@@ -59,6 +59,25 @@ TEST_CASE("a fault of one wheel deactivates, and the log names it") {
         CHECK(w.component.state() == primary::PRIMARY_STATE_INACTIVE);
     }
 }
+TEST_CASE("an error is logged once, and stays an error until the framework handles it") {
+    world w;
+    w.begin();
+    w.component.command(5, 5);
+    REQUIRE(w.run(1000) == return_type::OK);
+    using servobus::zlac8015d::fault;
+    w.drive.raise(fault::none, fault::overvoltage);
+    w.wire.pass(milliseconds(10));
+    unsigned wrong = 0;
+    for (int i = 0; i < 50; ++i) { // a manager that goes on without on_error
+        const rclcpp::Duration period{std::chrono::milliseconds{10}};
+        wrong += w.hardware.read(rclcpp::Time{}, period) == return_type::ERROR ? 1u : 0u;
+        wrong += w.hardware.write(rclcpp::Time{}, period) == return_type::ERROR ? 1u : 0u;
+        w.wire.pass(milliseconds(10));
+    }
+    CHECK(wrong > 80);
+    CHECK(w.errors().size() == 1);
+    CHECK(!w.drive.enabled());
+}
 TEST_CASE("reset_faults lets an activation reset a fault whose cause has ended") {
     world w;
     auto info = description();
