@@ -85,9 +85,9 @@ template <class Port> class robot_hardware {
     /// Stops the wheels and takes their power; both stand if no error is returned. Waits, at most for the ramp and 3 s.
     std::string deactivate() {
         if (!drive_) return "the port is not open";
-        std::string error;
-        if (drive_->state() == servobus::drive_state::enabled) error = run(servobus::halt{});
-        if (std::string failed = run(servobus::disable{}); !failed.empty()) error = failed;
+        if (drive_->state() == servobus::drive_state::enabled) (void)run(servobus::halt{});
+        const std::string error =
+            run(servobus::disable{}); // stops by itself, too, and waits until both wheels stand
         publish();
         return error;
     }
