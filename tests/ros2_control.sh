@@ -84,6 +84,9 @@ if [ "$part" != terminal ]; then
         check "clang++ with sanitizers, Jazzy: $source" in_virtual_time $source clang++ $jazzy $sanitized
     done
     check "g++, Jazzy: the plugin compiles" g++ $jazzy -fsyntax-only $plugin
+    if command -v g++-11 >/dev/null 2>&1; then # the compiler of Ubuntu 22.04, which Humble is for
+        check "g++ 11, Humble: the plugin compiles" g++-11 $humble -fsyntax-only $plugin
+    fi
     check "clang++, Humble: the plugin compiles" clang++ $humble -fsyntax-only $plugin
     check "the package builds and installs" package_builds
     check "the files agree" python3 -B tests/ros2_control/described.py

@@ -80,7 +80,7 @@ check(figures.page LABELS figures docs COMMAND ${python} bench/readme.py --check
 check(figures.plots LABELS figures docs COMMAND ${python} bench/plot.py --check)
 
 # ROS 2, against stand-ins
-check(example.ros2_control LABELS example COST 90 COMMAND sh tests/ros2_control.sh virtual)
+check(example.ros2_control LABELS example COST 120 COMMAND sh tests/ros2_control.sh virtual)
 check(example.ros2_terminal LABELS example REAL_TIME COST 25 COMMAND sh tests/ros2_control.sh terminal)
 
 # Windows. Several tests run the same programs, on one installation of wine.

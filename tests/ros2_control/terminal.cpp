@@ -12,6 +12,7 @@
 #include <cstdlib>
 #include <fstream>
 #include <memory>
+#include <new>
 #include <sstream>
 #include <string>
 #include <thread>
@@ -30,6 +31,19 @@
 template <>
 std::unique_ptr<hardware_interface::SystemInterface>
 stand_in::make_plugin<hardware_interface::SystemInterface>();
+
+namespace {
+unsigned long allocations = 0;
+} // namespace
+
+// Not inline: g++ 12 compares an inlined one with the library's.
+[[gnu::noinline]] void* operator new(std::size_t size) {
+    ++allocations;
+    if (void* const room = std::malloc(size)) return room;
+    throw std::bad_alloc{};
+}
+[[gnu::noinline]] void operator delete(void* room) noexcept { std::free(room); }
+[[gnu::noinline]] void operator delete(void* room, std::size_t) noexcept { std::free(room); }
 
 namespace {
 
@@ -77,6 +91,7 @@ struct loop {
     manager::component& of;
     double longest_ms = 0;
     long waited = 0;
+    unsigned long allocated = 0;
     unsigned cycles = 0;
 
     return_type run(int ms) {
@@ -85,12 +100,14 @@ struct loop {
         while (next < end) {
             const auto began = clock_type::now();
             const long before = waits();
+            const unsigned long made = allocations;
             return_type how = of.read();
             if (how == return_type::OK) how = of.write();
             if (how != return_type::OK) return how;
             longest_ms = std::max(
                 longest_ms, std::chrono::duration<double, std::milli>(clock_type::now() - began).count());
             waited += waits() - before;
+            allocated += allocations - made;
             ++cycles;
             next += std::chrono::milliseconds(10);
             std::this_thread::sleep_until(next);
@@ -154,6 +171,7 @@ int main(int argc, char** argv) {
                 at_100_hz.longest_ms, at_100_hz.waited);
     // The kernel's own locks on a terminal may make a thread wait now and then.
     check("read and write do not wait", at_100_hz.waited * 50 < at_100_hz.cycles);
+    check("read and write allocate nothing", at_100_hz.allocated == 0);
     for (const std::string& line : stand_in::logged()) std::printf("        %s\n", line.c_str());
     return failed == 0 ? 0 : 1;
 }
