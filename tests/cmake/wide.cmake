@@ -80,6 +80,10 @@ check(figures.bus LABELS figures COMMAND ${python} bench/bus.py)
 check(figures.page LABELS figures docs COMMAND ${python} bench/readme.py --check)
 check(figures.plots LABELS figures docs COMMAND ${python} bench/plot.py --check)
 
+# ROS 2, against stand-ins
+check(example.ros2_control LABELS example COST 120 COMMAND sh tests/ros2_control.sh virtual)
+check(example.ros2_terminal LABELS example REAL_TIME COST 25 COMMAND sh tests/ros2_control.sh terminal)
+
 # Windows. Several tests run the same programs, on one installation of wine.
 set(mingw ${CMAKE_CURRENT_BINARY_DIR}/mingw)
 check(windows.headers LABELS windows COST 20 COMMAND ${python} tests/windows/headers.py)
