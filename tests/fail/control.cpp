@@ -9,9 +9,9 @@
 #include <servobus/client/stepped_read.hpp>
 #include <servobus/client/stepped_write.hpp>
 #include <servobus/control/arguments.hpp>
-#include <servobus/device/c630s.hpp>
 #include <servobus/control/setpoint_loop.hpp>
 #include <servobus/control/take_over.hpp>
+#include <servobus/device/c630s.hpp>
 #include <servobus/device/c630s/registers.hpp>
 #include <servobus/device/zlac8015d.hpp>
 #include <servobus/line/ring.hpp>

@@ -71,7 +71,8 @@ struct floor_of {
         wheels.power_cycle();
         lift.set_switches(2);
         put(lift, needs[1].rate.address, needs[1].rate.code);
-        put(lift, yako::auxiliary_command.address, static_cast<std::uint16_t>(yako::auxiliary::save_parameters));
+        put(lift, yako::auxiliary_command.address,
+            static_cast<std::uint16_t>(yako::auxiliary::save_parameters));
         lift.power_cycle();
         put(press, c630s::eeprom_update.address, 1);
         put(press, c630s::node_address.address, 3);
