@@ -26,23 +26,24 @@ namespace cell {
 using namespace servobus;
 using namespace servobus::literals;
 
-constexpr auto wheels_node = prompt(node<zlac8015d::device>{1});
-constexpr auto lift_node = prompt(node<yako::closed_loop::device>{2});
-constexpr auto press_node = prompt(node<c630s::device>{3});
-constexpr auto eye_node = prompt(node<eye::device>{9});
-constexpr auto shared =
+inline constexpr auto wheels_node = prompt(node<zlac8015d::device>{1});
+inline constexpr auto lift_node = prompt(node<yako::closed_loop::device>{2});
+inline constexpr auto press_node = prompt(node<c630s::device>{3});
+inline constexpr auto eye_node = prompt(node<eye::device>{9});
+inline constexpr auto shared =
     settings_on_one_line(wheels_node, lift_node, press_node); // 38400 8N1; what each needs to get there
-constexpr poll_plan plan{modbus::timing_at(shared.baud),
-                         controlled(wheels_node, {.feedback = 50_ms, .command_timeout = 500_ms})
-                             .commands(50_ms)
-                             .keeps_alive(1500_ms),
-                         controlled(lift_node, {.feedback = 100_ms, .command_timeout = no_command_timeout}),
-                         controlled(press_node, {.feedback = 100_ms, .command_timeout = no_command_timeout}),
-                         cyclic<eye::distance>(eye_node, 100_ms),
-                         cyclic<eye::is_door_open>(eye_node, 100_ms)};
+inline constexpr poll_plan plan{
+    modbus::timing_at(shared.baud),
+    controlled(wheels_node, {.feedback = 50_ms, .command_timeout = 500_ms})
+        .commands(50_ms)
+        .keeps_alive(1500_ms),
+    controlled(lift_node, {.feedback = 100_ms, .command_timeout = no_command_timeout}),
+    controlled(press_node, {.feedback = 100_ms, .command_timeout = no_command_timeout}),
+    cyclic<eye::distance>(eye_node, 100_ms),
+    cyclic<eye::is_door_open>(eye_node, 100_ms)};
 
-constexpr take_over wheels_set_up{zlac8015d::resolution{10}, zlac8015d::watchdog{1500_ms},
-                                  zlac8015d::ramps{200_ms, 200_ms}};
+inline constexpr take_over wheels_set_up{zlac8015d::resolution{10}, zlac8015d::watchdog{1500_ms},
+                                         zlac8015d::ramps{200_ms, 200_ms}};
 
 template <class Line> struct cell {
     explicit cell(Line& wire)

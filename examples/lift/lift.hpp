@@ -14,17 +14,17 @@ using namespace servobus;
 using namespace servobus::literals;
 namespace y = servobus::yako;
 
-constexpr auto screw = axis::of(lead(5_mm, counts_per_turn{1000})); // 0011h: pulses of a turn
-constexpr axis_profile fast{.top = 50_mm_per_s, .acceleration = 200_ms, .deceleration = 200_ms};
+inline constexpr auto screw = axis::of(lead(5_mm, counts_per_turn{1000})); // 0011h: pulses of a turn
+inline constexpr axis_profile fast{.top = 50_mm_per_s, .acceleration = 200_ms, .deceleration = 200_ms};
 // The inputs are set without power.
-constexpr take_over set_up{with_fault_reset{},
-                           disable{},
-                           y::set_input{y::input::x0, y::input_function::home},
-                           y::set_input{y::input::x1, y::input_function::positive_limit},
-                           y::set_input{y::input::x2, y::input_function::negative_limit},
-                           y::set_input{y::input::x3, y::input_function::stop},
-                           y::set_over_travel_stop{y::over_travel_stop::emergency_stop},
-                           y::set_homing_profile{120_r_per_min, 30_r_per_min, 100_ms}};
+inline constexpr take_over set_up{with_fault_reset{},
+                                  disable{},
+                                  y::set_input{y::input::x0, y::input_function::home},
+                                  y::set_input{y::input::x1, y::input_function::positive_limit},
+                                  y::set_input{y::input::x2, y::input_function::negative_limit},
+                                  y::set_input{y::input::x3, y::input_function::stop},
+                                  y::set_over_travel_stop{y::over_travel_stop::emergency_stop},
+                                  y::set_homing_profile{120_r_per_min, 30_r_per_min, 100_ms}};
 
 template <class Line>
 using drive = y::closed_loop::axis_drive<Line>; // lift::drive<Line> platform{wire, 1, lift::screw};
@@ -33,10 +33,10 @@ using drive = y::closed_loop::axis_drive<Line>; // lift::drive<Line> platform{wi
 bool prepare(auto& platform) {
     return platform.run(set_up) && platform.run(enable{}) &&
            platform.run(y::closed_loop::home{y::homing::home_24}) &&
-           platform.run(servobus::limit_travel{.lowest = -2_mm, .highest = 200_mm});
+           platform.run(travel_limits{.lowest = -2_mm, .highest = 200_mm});
 }
 axis_arrival go_to(auto& platform, micrometres place) {
-    return platform.run(servobus::move_to{place, fast}, wait_reached{});
+    return platform.run(travel_to{place, fast}, wait_reached{});
 }
 // In each iteration of a loop: up, down, or 0 while no button is held. `held` is the loop's own, 0 at first.
 duration jog(auto& platform, micrometres_per_second speed, micrometres_per_second& held) {

@@ -15,12 +15,13 @@ using namespace servobus;
 using namespace servobus::literals;
 namespace c = servobus::c630s;
 
-constexpr auto ram = axis::of(lead(5_mm, counts_per_turn{10'000})); // P05-02: reference units of a turn
-constexpr c::segment_number down{1}, push{2}, up{3};
+inline constexpr auto ram =
+    axis::of(lead(5_mm, counts_per_turn{10'000})); // P05-02: reference units of a turn
+inline constexpr c::segment_number down{1}, push{2}, up{3};
 // A drive that was never set up is switched off and on after the first time, as the status says.
-constexpr take_over set_up{with_fault_reset{}, c::set_up{}, c::torque_limits{40_percent, 60_percent},
-                           c::position_segments{.type = c::displacement_type::absolute, .last = up},
-                           c::homing_by{c::homing_mode::forward_z, 100_r_per_min, 10_r_per_min}};
+inline constexpr take_over set_up{with_fault_reset{}, c::set_up{}, c::torque_limits{40_percent, 60_percent},
+                                  c::position_segments{.type = c::displacement_type::absolute, .last = up},
+                                  c::homing_by{c::homing_mode::forward_z, 100_r_per_min, 10_r_per_min}};
 
 template <class Line> using drive = c::axis_drive<Line>; // press::drive<Line> servo{wire, 1, press::ram};
 

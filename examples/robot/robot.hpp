@@ -15,10 +15,10 @@ using namespace servobus;
 using namespace servobus::literals;
 namespace z = servobus::zlac8015d;
 
-constexpr feed wheel =
+inline constexpr feed wheel =
     rolling(534_mm, counts_per_turn{4096}); // measured over ten turns; 4 x the encoder's lines
-constexpr auto base = differential::of({.left = wheel, .right = mirrored(wheel), .track = 400_mm});
-constexpr take_over set_up{z::resolution{10}, z::watchdog{500_ms}, z::ramps{200_ms, 200_ms}};
+inline constexpr auto base = differential::of({.left = wheel, .right = mirrored(wheel), .track = 400_mm});
+inline constexpr take_over set_up{z::resolution{10}, z::watchdog{500_ms}, z::ramps{200_ms, 200_ms}};
 
 template <class Line> class robot {
   public:

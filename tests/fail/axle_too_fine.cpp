@@ -7,7 +7,7 @@
 #include "chassis.hpp"
 
 int main() {
-    (void)axle::of({.left = rolling(652'301_um, counts_per_turn{1u << 28}, gear{65521, 1}),
+    (void)axle::of({.left = rolling(652'301_um, counts_per_turn{1u << 28}, gear_ratio{65521, 1}),
                     .right = tyre,
                     .track = 499'999_um}); // wrong
 }

@@ -7,7 +7,7 @@
 #include <servobus/axis/axle.hpp>
 
 using namespace servobus::literals;
-using servobus::axle, servobus::counts_per_turn, servobus::gear, servobus::rolling;
+using servobus::axle, servobus::counts_per_turn, servobus::gear_ratio, servobus::rolling;
 
 inline constexpr servobus::feed tyre = rolling(652.3_mm, counts_per_turn{16384});
 inline constexpr axle base = axle::of({.left = tyre, .right = mirrored(tyre), .track = 500_mm});

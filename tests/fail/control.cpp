@@ -349,7 +349,7 @@ int main() {
     (void)servobus::diameter(207.6_mm);
     (void)rolling(4.2_m, counts_per_turn{16384});
     (void)rolling(652.3_mm, counts_per_turn{4 * 4096});
-    (void)rolling(652.3_mm, counts_per_turn{16384}, gear{37, 10});
+    (void)rolling(652.3_mm, counts_per_turn{16384}, gear_ratio{37, 10});
     (void)axle::of({.left = tyre, .right = tyre, .track = 500_mm});
     (void)axle::of({.left = tyre, .right = tyre, .track = 400_mm});
     (void)axle::of({.left = rolling(652'301_um, counts_per_turn{1u << 28}), .right = tyre, .track = 500_mm});

@@ -30,7 +30,7 @@ consteval subject subject_of(const char* name, const servobus::axle::parts& of, 
                              std::int32_t limit) {
     const auto counts = [per_r_per_min](const servobus::feed& w) {
         const number um_a_turn =
-            static_cast<number>(w.travel()) / 1000 / static_cast<number>(w.gear_ratio().motor_turns);
+            static_cast<number>(w.travel()) / 1000 / static_cast<number>(w.ratio().motor_turns);
         const number c = 60 / um_a_turn * per_r_per_min;
         return w.direction() == servobus::count_direction::forward ? c : -c;
     };
@@ -101,7 +101,7 @@ inline constexpr servobus::feed tyre =
     servobus::rolling(servobus::micrometres{652'300}, servobus::counts_per_turn{16384});
 inline constexpr servobus::feed geared =
     servobus::rolling(servobus::diameter(servobus::micrometres{150'100}), servobus::counts_per_turn{4096},
-                      servobus::gear{37, 10});
+                      servobus::gear_ratio{37, 10});
 inline constexpr servobus::feed roller =
     servobus::rolling(servobus::micrometres{10'000}, servobus::counts_per_turn{1000});
 

@@ -10,7 +10,7 @@ using namespace servobus;
 using namespace servobus::literals;
 
 namespace {
-constexpr feed screw = lead(5.08_mm, counts_per_turn{1000}, gear{37, 10});
+constexpr feed screw = lead(5.08_mm, counts_per_turn{1000}, gear_ratio{37, 10});
 constexpr feed tyre = rolling(diameter(207.6_mm), counts_per_turn{16384});
 constexpr auto base = differential::of({.left = tyre, .right = mirrored(tyre), .track = 500_mm});
 constexpr auto slide = axis::of(mirrored(screw));

@@ -36,11 +36,11 @@ plane_pose go(line<some_uart>& wire, std::int32_t speed) {
     return robot.pose();
 }
 template <class Lift> micrometres raise(Lift& lift) {
-    (void)lift.run(servobus::limit_travel{.lowest = -2_mm, .highest = 200_mm});
-    if (lift.begin(servobus::move_by{-0.4_mm, quick}) == errc::ok) lift.step();
-    const axis_arrival a = lift.run(servobus::move_to{125.5_mm, quick}, wait_reached{});
+    (void)lift.run(travel_limits{.lowest = -2_mm, .highest = 200_mm});
+    if (lift.begin(travel_by{-0.4_mm, quick}) == errc::ok) lift.step();
+    const axis_arrival a = lift.run(travel_to{125.5_mm, quick}, wait_reached{});
     if (a.how != arrival_state::reached) return a.missing;
-    if (!lift.run(servobus::declare_position{0_mm})) return {};
+    if (!lift.run(declare_place{0_mm})) return {};
     return lift.position(milliseconds(100)).value_or({});
 }
 micrometres raise_closed(line<some_uart>& wire) {
@@ -55,15 +55,15 @@ micrometres_per_second press(line<some_uart>& wire) {
     c630s::axis_drive servo{wire, 4, ram, {}, c630s::encoder_counts::of_23_bits};
     if (!servo.run(c630s::axis_segment{1, 75_mm, 50_mm_per_s, 100_ms})) return {};
     if (servo.run(c630s::start_segment{1}, wait_reached{}).how == arrival_state::reached)
-        (void)servo.run(servobus::move_at{10_mm_per_s});
+        (void)servo.run(travel_at{10_mm_per_s});
     return servo.geometry().speed_of(servo.geometry().motor_speed_of(1_mm_per_s).value_or({}));
 }
 micrometres move_belts(line<some_uart>& wire) {
     zlac8015d::axes belts{wire, 5, ram, screw, {.command_timeout = 300_ms}};
-    if (belts.left().begin(servobus::move_at{10_mm_per_s}) != errc::ok) return {};
-    if (!belts.right().run(servobus::move_to{10_mm})) return belts.right().arrival().missing;
+    if (belts.left().begin(travel_at{10_mm_per_s}) != errc::ok) return {};
+    if (!belts.right().run(travel_to{10_mm})) return belts.right().arrival().missing;
     if (belts.left().speed(milliseconds(100)).value_or({}) > 5_mm_per_s) return {};
-    const axis_arrival a = belts.left().run(servobus::move_by{10_mm}, wait_reached{});
+    const axis_arrival a = belts.left().run(travel_by{10_mm}, wait_reached{});
     return a.how == arrival_state::reached ? belts.left().position(milliseconds(100)).value_or({})
                                            : a.missing;
 }

@@ -4,7 +4,7 @@
 // An axis: converts lengths and speeds of a machine to the counts of its motor and back. Programs that move something by a
 // screw, a belt or a rack give one to the facade of its drive.
 //
-//     constexpr auto slide = axis::of(lead(5.08_mm, counts_per_turn{1000}, gear{37, 10}));
+//     constexpr auto slide = axis::of(lead(5.08_mm, counts_per_turn{1000}, gear_ratio{37, 10}));
 //     static_assert(slide.counts_of(5.08_mm).value() == 3700); // 3.7 turns of the motor
 //     static_assert(slide.length_of(-3700).value() == -5.08_mm);
 //     static_assert(slide.speed_of(370 * part<10>(units::r_per_min)) == 847_um_per_s);

@@ -6,7 +6,7 @@
 //
 //     using namespace servobus::literals;
 //     constexpr feed wheel = rolling(652.3_mm, counts_per_turn{16384}); // measured; or diameter(207.6_mm)
-//     constexpr feed screw = lead(5.08_mm, counts_per_turn{1000}, gear{37, 10});
+//     constexpr feed screw = lead(5.08_mm, counts_per_turn{1000}, gear_ratio{37, 10});
 //     static_assert(wheel.um_of_count().nearest(16384).value() == 652'300);
 //     static_assert(screw.counts_of_um().nearest(5080).value() == 3700);
 #pragma once
@@ -35,8 +35,8 @@ struct counts_per_turn {
     std::uint32_t count = 0; ///< 1 .. 2^28
 };
 
-/// A gear: so many turns of the motor are so many of the wheel, exactly. `gear{37, 10}` is 3.7 : 1.
-struct gear {
+/// A gear: so many turns of the motor are so many of the wheel, exactly. `gear_ratio{37, 10}` is 3.7 : 1.
+struct gear_ratio {
     std::uint32_t motor_turns = 1;  ///< 1 .. 65535
     std::uint32_t output_turns = 1; ///< 1 .. 65535
 };
@@ -65,14 +65,14 @@ class feed {
 
     constexpr count_direction direction() const { return direction_; }
     constexpr std::uint32_t counts_of_motor_turn() const { return counts_.count; }
-    constexpr gear gear_ratio() const { return gear_; }
+    constexpr gear_ratio ratio() const { return gear_; }
     /// The travel of `counts()` counts, in nm.
     constexpr std::uint64_t travel() const { return std::uint64_t{travel_nm_} * gear_.output_turns; }
     /// The counts of `travel()`.
     constexpr std::uint64_t counts() const { return std::uint64_t{counts_.count} * gear_.motor_turns; }
 
     /// Makes it of the travel of a turn (below 4.29 m), the counts of a turn of the motor, and the gear between.
-    friend consteval feed rolling(nanometres travel, counts_per_turn counts, gear ratio) {
+    friend consteval feed rolling(nanometres travel, counts_per_turn counts, gear_ratio ratio) {
         if (travel.count() <= 0 || travel.count() > 0xFFFF'FFFF)
             detail::a_turn_travels_more_than_0_and_less_than_4_29_m();
         if (counts.count == 0 || counts.count > std::uint32_t{1} << 28) detail::a_turn_has_1_to_2_28_counts();
@@ -89,20 +89,21 @@ class feed {
     }
 
   private:
-    consteval feed(std::uint32_t travel_nm, counts_per_turn counts, gear ratio, count_direction direction)
+    consteval feed(std::uint32_t travel_nm, counts_per_turn counts, gear_ratio ratio,
+                   count_direction direction)
         : travel_nm_{travel_nm}, counts_{counts}, gear_{ratio}, direction_{direction} {}
 
     std::uint32_t travel_nm_;
     counts_per_turn counts_;
-    gear gear_;
+    gear_ratio gear_;
     count_direction direction_;
 };
 
-consteval feed rolling(nanometres travel, counts_per_turn counts, gear ratio = {});
+consteval feed rolling(nanometres travel, counts_per_turn counts, gear_ratio ratio = {});
 consteval feed mirrored(feed other);
 
 /// A screw, which moves by its lead in a turn.
-consteval feed lead(nanometres of, counts_per_turn counts, gear ratio = {}) {
+consteval feed lead(nanometres of, counts_per_turn counts, gear_ratio ratio = {}) {
     return rolling(of, counts, ratio);
 }
 

@@ -4,9 +4,9 @@
 // The commands of an axis, in lengths and speeds of the machine. The `axis_drive` of each device makes commands of the
 // drive's own of them; its page says what differs. Programs get it with the header of that facade.
 //
-//     if (!lift.run(servobus::limit_travel{.lowest = -2_mm, .highest = 200_mm})) return 1;
+//     if (!lift.run(travel_limits{.lowest = -2_mm, .highest = 200_mm})) return 1;
 //     constexpr axis_profile fast{.top = 50_mm_per_s, .acceleration = 200_ms, .deceleration = 200_ms};
-//     const axis_arrival there = lift.run(servobus::move_to{125.5_mm, fast}, wait_reached{});
+//     const axis_arrival there = lift.run(travel_to{125.5_mm, fast}, wait_reached{});
 //     if (there.how != arrival_state::reached) std::printf("%ld um missing\n", long(there.missing.count()));
 #pragma once
 
@@ -28,20 +28,20 @@ struct axis_profile {
 };
 
 /// Moves to a place, to the nearest count.
-struct move_to {
+struct travel_to {
     micrometres place;
     axis_profile by{};
 };
 
 /// Moves by a way; its sign is the direction. What rounding to counts leaves goes into the next one: a thousand moves do
 /// not drift. It is carried once the move has begun, and forgotten where the position is counted from elsewhere.
-struct move_by {
+struct travel_by {
     micrometres way;
     axis_profile by{};
 };
 
 /// Moves at a speed until another command; its sign is the direction. To the nearest count of the drive's speed.
-struct move_at {
+struct travel_at {
     micrometres_per_second speed;
 };
 
@@ -53,20 +53,20 @@ struct hold_at {
 };
 
 /// Limits the travel by software. Errors: `bad_argument` if `lowest` is not below `highest`.
-struct limit_travel {
+struct travel_limits {
     micrometres lowest;
     micrometres highest;
 };
 
 /// Says that the axis, where it stands, is at `place`.
-struct declare_position {
+struct declare_place {
     micrometres place;
 };
 
 // No take-over has them.
-void moves_or_energises(const move_to*);
-void moves_or_energises(const move_by*);
-void moves_or_energises(const move_at*);
+void moves_or_energises(const travel_to*);
+void moves_or_energises(const travel_by*);
+void moves_or_energises(const travel_at*);
 void moves_or_energises(const hold_at*);
 
 /// Where the last move of an axis has come to.

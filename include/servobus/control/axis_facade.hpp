@@ -77,7 +77,7 @@ template <class Drive> class axis_facade : public Drive {
     constexpr axis_arrival arrival(const wait_reached&) const { return arrival(); }
 
     /// Where the axis is, by feedback that is at most `oldest` old. It goes on where the drive's own position wraps, and is
-    /// counted from elsewhere after `init`, a restart, a homing, `declare_position`. Errors: as `feedback`.
+    /// counted from elsewhere after `init`, a restart, a homing, `declare_place`. Errors: as `feedback`.
     constexpr result<micrometres> position(duration oldest) const {
         const auto seen = Drive::feedback(oldest);
         if (!seen) return seen.error();

@@ -19,9 +19,9 @@ using number = long double;
 
 namespace {
 constexpr auto screw = axis::of(lead(5_mm, counts_per_turn{1000}));
-constexpr auto geared = axis::of(lead(5.08_mm, counts_per_turn{1000}, gear{37, 10}));
-constexpr auto turned = axis::of(mirrored(lead(5.08_mm, counts_per_turn{1000}, gear{37, 10})));
-constexpr auto belt = axis::of(rolling(120_mm, counts_per_turn{131'072}, gear{5, 1}));
+constexpr auto geared = axis::of(lead(5.08_mm, counts_per_turn{1000}, gear_ratio{37, 10}));
+constexpr auto turned = axis::of(mirrored(lead(5.08_mm, counts_per_turn{1000}, gear_ratio{37, 10})));
+constexpr auto belt = axis::of(rolling(120_mm, counts_per_turn{131'072}, gear_ratio{5, 1}));
 
 constexpr micrometres_per_second um_s(std::int32_t n) { return micrometres_per_second{n}; }
 } // namespace
@@ -51,6 +51,15 @@ static_assert(axis::of(lead(0.1_mm, counts_per_turn{100})).motor_speed_of(um_s(0
 static_assert(belt.speed_of(motor_speed{0x7FFF'FFFF}).count() > 0, "limited");
 static_assert(axis::of(rolling(4_m, counts_per_turn{100})).speed_of(motor_speed{-0x7FFF'FFFF}).count() ==
               -0x7FFF'FFFF);
+
+TEST_CASE("what has no count, or no micrometre, is refused at run time too") {
+    std::mt19937 random{3};
+    const auto far = static_cast<std::int32_t>(0x7FFF'0000u + random() % 1000);
+    constexpr auto fine = axis::of(lead(0.1_mm, counts_per_turn{100}));
+    CHECK(screw.length_of(far).error() == errc::out_of_range);
+    CHECK(fine.motor_speed_of(um_s(far)).error() == errc::out_of_range);
+    CHECK(belt.counts_of(micrometres{far}).error() == errc::out_of_range);
+}
 
 TEST_CASE("random lengths and speeds, against long double") {
     std::mt19937 random{17};

@@ -25,7 +25,7 @@ static_assert(mirrored(tyre).direction() == count_direction::mirrored && mirrore
 static_assert(mirrored(mirrored(tyre)).direction() == count_direction::forward);
 
 // Gears
-constexpr feed lead_screw = lead(5.08_mm, counts_per_turn{1000}, gear{37, 10});
+constexpr feed lead_screw = lead(5.08_mm, counts_per_turn{1000}, gear_ratio{37, 10});
 static_assert(lead_screw.um_of_count().nearest(3700).value() == 5080 &&
               lead_screw.um_of_count().is_exact(3700));
 static_assert(lead_screw.counts_of_um().nearest(5080).value() == 3700);
@@ -34,14 +34,14 @@ static_assert(lead_screw.counts_of_um().numerator() == 185 && lead_screw.counts_
 // The limits of what compiles
 static_assert(rolling(4'294'967_um, counts_per_turn{1}).travel() == 4'294'967'000);
 static_assert(rolling(1_um, counts_per_turn{1u << 28}).counts() == 1u << 28);
-static_assert(rolling(1_um, counts_per_turn{1}, gear{65535, 1}).counts() == 65535);
+static_assert(rolling(1_um, counts_per_turn{1}, gear_ratio{65535, 1}).counts() == 65535);
 
 // Speeds: 600 mm a turn are 100 r/min at 1 m/s.
 constexpr feed round = rolling(600_mm, counts_per_turn{16384});
 static_assert(round.speed_counts_of_um_per_s(units::r_per_min).nearest(1'000'000).value() == 100);
 static_assert(round.speed_counts_of_um_per_s(10 * unit{measure::r_per_min}).nearest(1'000'000).value() == 10);
 static_assert(round.speed_counts_of_um_per_s(units::r_per_min / 10).nearest(1'000'000).value() == 1000);
-static_assert(rolling(600_mm, counts_per_turn{16384}, gear{3, 1})
+static_assert(rolling(600_mm, counts_per_turn{16384}, gear_ratio{3, 1})
                   .speed_counts_of_um_per_s(units::r_per_min)
                   .nearest(1'000'000)
                   .value() == 300);
@@ -84,7 +84,7 @@ TEST_CASE("the ratios of an axle are the nearest integers") {
         CHECK(is_nearest(r.half_track, track / 1e9L / 2 * std::ldexp(1.0L, 29)));
         CHECK(is_nearest(r.most_difference + 0.5L, 0.2L * track / 1000 * 256));
     }
-    CHECK(lead_screw.gear_ratio().motor_turns == 37);
+    CHECK(lead_screw.ratio().motor_turns == 37);
     const detail::axle_ratios& r = of_fine_counts.ratios();
     CHECK(r.right_arc * 1000 == doctest::Approx(static_cast<double>(r.left_arc) * 1001));
     CHECK(static_cast<double>(r.right_turn) * 1000 ==

@@ -24,9 +24,10 @@ using std::uint32_t;
 
 constexpr feed tyre = rolling(652.3_mm, counts_per_turn{16384});
 constexpr axle base = axle::of({.left = tyre, .right = mirrored(tyre), .track = 500_mm});
-constexpr axle uneven = axle::of({.left = rolling(652.3_mm, counts_per_turn{16384}),
-                                  .right = rolling(diameter(207.9_mm), counts_per_turn{4096}, gear{37, 10}),
-                                  .track = 487.3_mm});
+constexpr axle uneven =
+    axle::of({.left = rolling(652.3_mm, counts_per_turn{16384}),
+              .right = rolling(diameter(207.9_mm), counts_per_turn{4096}, gear_ratio{37, 10}),
+              .track = 487.3_mm});
 
 static_assert(sizeof(odometry) <= 72);
 static_assert(!std::is_constructible_v<odometry, axle>, "an axle that ends at the end of the line");

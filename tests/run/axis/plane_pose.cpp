@@ -64,6 +64,17 @@ TEST_CASE("millimetres are the nearest ones") {
     CHECK(are_nearest);
 }
 
+TEST_CASE("a pose is limited to 549 km, and faces -pi as pi") {
+    std::mt19937 random{5};
+    const std::int64_t far = 600'000'000'000 + static_cast<std::int64_t>(random() % 1000);
+    const plane_pose p = plane_pose::at(micrometres{far}, micrometres{-far}, plane_pose::microradians{0});
+    CHECK(p.x().count() == 549'755'813'887);
+    CHECK(p.y().count() == -549'755'813'887);
+    plane_pose back;
+    back.heading_fine = 0x8000'0000'0000'0000u + random() % 1000;
+    CHECK(back.heading().count() == 3'141'593);
+}
+
 TEST_CASE("microradians are the nearest ones, there and back") {
     std::mt19937_64 random{46};
     const long double turn = 6'283'185.307179586476925286766559L;

@@ -182,6 +182,15 @@ TEST_CASE("devices that are known at run time share settings, or there is an err
     const device_on_line no_rate[] = {on_line<winch>(), on_line<sensor>()};
     CHECK(find_settings_on_one_line(no_rate).error() == errc::bad_argument);
     CHECK(find_settings_on_one_line(three, 9000).error() == errc::bad_argument);
+
+    device_on_line twins[] = {on_line<z::device>(), on_line<z::device>()};
+    const auto same = find_settings_on_one_line(twins, 115'200);
+    REQUIRE(same);
+    CHECK(same->baud == 115'200);
+    CHECK_FALSE(static_cast<bool>(same->changes[0]));
+    CHECK_FALSE(static_cast<bool>(same->changes[1].format));
+    CHECK(posix::settings_of(*same).baud == 115'200);
+    CHECK(posix::settings_of(*same).format == n81);
 }
 
 TEST_CASE("each code sets the rate of the simulated drive") {

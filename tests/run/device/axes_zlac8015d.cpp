@@ -19,7 +19,7 @@ using zlac8015d::operating_mode, zlac8015d::synchronisation;
 namespace {
 
 constexpr auto belt = axis::of(rolling(120_mm, counts_per_turn{4096}));
-constexpr auto turned = axis::of(mirrored(rolling(300_mm, counts_per_turn{4096}, gear{5, 1})));
+constexpr auto turned = axis::of(mirrored(rolling(300_mm, counts_per_turn{4096}, gear_ratio{5, 1})));
 constexpr auto other = axis::of(rolling(120_mm, counts_per_turn{16384}));
 
 struct rig : simulated::driven_zlac8015d {
@@ -39,12 +39,12 @@ TEST_CASE("each axis moves by its ways, which do not drift, and says where it is
     rig r;
     r.enable_for(operating_mode::relative_position);
     for (int i = 1; i <= 12; ++i) {
-        REQUIRE(r.belts.left().run(servobus::move_by{10_mm}, wait_reached{}).how == arrival_state::reached);
-        CHECK(r.belts.left().begin(servobus::move_by{2148_m}) == errc::out_of_range);
+        REQUIRE(r.belts.left().run(travel_by{10_mm}, wait_reached{}).how == arrival_state::reached);
+        CHECK(r.belts.left().begin(travel_by{2148_m}) == errc::out_of_range);
         CHECK(r.model.left().target == (i * 10 * 4096 * 2 / 120 + 1) / 2); // 341.3 counts
     }
     CHECK(r.model.right().position == 0);
-    REQUIRE(r.belts.right().run(servobus::move_by{30_mm}, wait_reached{}).how == arrival_state::reached);
+    REQUIRE(r.belts.right().run(travel_by{30_mm}, wait_reached{}).how == arrival_state::reached);
     CHECK(r.model.right().target == -2048); // 30 mm are half a turn of the motor
     REQUIRE(r.belts.read());
     const std::int64_t left = r.belts.left().position(milliseconds(100))->count();
@@ -53,25 +53,25 @@ TEST_CASE("each axis moves by its ways, which do not drift, and says where it is
     CHECK(left < 121'000);
     CHECK(right > 29'800);
     CHECK(right < 30'200);
-    CHECK(r.belts.right().begin(servobus::move_to{1_mm}) == errc::wrong_state);
-    CHECK(r.belts.right().begin(servobus::move_by{1_mm, {.top = 5_mm_per_s}}) == errc::bad_argument);
+    CHECK(r.belts.right().begin(travel_to{1_mm}) == errc::wrong_state);
+    CHECK(r.belts.right().begin(travel_by{1_mm, {.top = 5_mm_per_s}}) == errc::bad_argument);
 }
 
 TEST_CASE("each axis goes to its places") {
     rig r;
     r.enable_for(operating_mode::absolute_position);
-    REQUIRE(r.belts.left().run(servobus::move_to{-60_mm}, wait_reached{}).how == arrival_state::reached);
-    REQUIRE(r.belts.right().run(servobus::move_to{60_mm}, wait_reached{}).how == arrival_state::reached);
+    REQUIRE(r.belts.left().run(travel_to{-60_mm}, wait_reached{}).how == arrival_state::reached);
+    REQUIRE(r.belts.right().run(travel_to{60_mm}, wait_reached{}).how == arrival_state::reached);
     CHECK(r.model.left().target == -2048);
     CHECK(r.model.right().target == -4096);
-    CHECK(r.belts.left().begin(servobus::move_by{1_mm}) == errc::wrong_state);
+    CHECK(r.belts.left().begin(travel_by{1_mm}) == errc::wrong_state);
 }
 
 TEST_CASE("each axis has its speed, to the nearest count") {
     rig r;
     r.enable_for(operating_mode::velocity);
-    REQUIRE(r.belts.left().run(servobus::move_at{201_mm_per_s}));   // 100.5 r/min
-    REQUIRE(r.belts.right().run(servobus::move_at{-100_mm_per_s})); // 100 r/min, mirrored
+    REQUIRE(r.belts.left().run(travel_at{201_mm_per_s}));   // 100.5 r/min
+    REQUIRE(r.belts.right().run(travel_at{-100_mm_per_s})); // 100 r/min, mirrored
     CHECK(r.model.peek(zlac8015d::left_target_speed.address) == 101);
     CHECK(r.model.peek(zlac8015d::right_target_speed.address) == 100);
     const std::uint64_t end = r.wire.time_us() + 1'500'000;
@@ -83,14 +83,14 @@ TEST_CASE("each axis has its speed, to the nearest count") {
     CHECK(left > 199'000);
     CHECK(left < 205'000);
     CHECK(r.belts.right().speed(milliseconds(100))->count() < -99'000);
-    CHECK(r.belts.left().begin(servobus::move_at{100_um_per_s}) == errc::out_of_range);
-    CHECK(r.belts.left().begin(servobus::move_at{2147_m_per_s}) == errc::out_of_range);
-    CHECK(r.belts.left().begin(servobus::move_at{2.1_m_per_s}) == errc::out_of_range); // 2008h is 1000 r/min
+    CHECK(r.belts.left().begin(travel_at{100_um_per_s}) == errc::out_of_range);
+    CHECK(r.belts.left().begin(travel_at{2147_m_per_s}) == errc::out_of_range);
+    CHECK(r.belts.left().begin(travel_at{2.1_m_per_s}) == errc::out_of_range); // 2008h is 1000 r/min
     REQUIRE(r.belts.run(halt{}));
     REQUIRE(r.belts.run(disable{}));
     REQUIRE(r.belts.run(zlac8015d::resolution{10}));
     REQUIRE(r.belts.run(enable{}));
-    REQUIRE(r.belts.left().run(servobus::move_at{20.1_mm_per_s})); // 10.05 r/min
+    REQUIRE(r.belts.left().run(travel_at{20.1_mm_per_s})); // 10.05 r/min
     CHECK(r.model.peek(zlac8015d::left_target_speed.address) == 101);
 }
 

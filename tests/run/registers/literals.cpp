@@ -87,6 +87,32 @@ TEST_CASE("a time of a command is a quantity or a duration, a limit likewise") {
     CHECK(zlac8015d::watchdog{milliseconds(500)}.limit == 500_ms);
 }
 
+TEST_CASE("each literal has its unit at run time too") {
+    CHECK((7_us).in(units::microsecond) == 7);
+    CHECK((7_ms).in(units::microsecond) == 7000);
+    CHECK((7_s).in(units::millisecond) == 7000);
+    CHECK((7_um).in(units::micrometre) == 7);
+    CHECK((7_mm).in(units::micrometre) == 7000);
+    CHECK((7_m).in(units::millimetre) == 7000);
+    CHECK((7_um_per_s).in(units::micrometre_per_second) == 7);
+    CHECK((7_mm_per_s).in(units::micrometre_per_second) == 7000);
+    CHECK((7_m_per_s).in(units::millimetre_per_second) == 7000);
+    CHECK((90_degree).in(units::degree) == 90);
+    CHECK((2_revolution).in(units::degree) == 720);
+    CHECK((7_urad).in(units::microradian) == 7);
+    CHECK((7_mrad).in(units::microradian) == 7000);
+    CHECK((7_rad).in(units::milliradian) == 7000);
+    CHECK((7_urad_per_s).in(units::microradian_per_second) == 7);
+    CHECK((7_mrad_per_s).in(units::microradian_per_second) == 7000);
+    CHECK((7_rad_per_s).in(units::milliradian_per_second) == 7000);
+    CHECK((7_r_per_min).in(units::r_per_min) == 7);
+    CHECK((7_pulse).in(units::pulse) == 7);
+    CHECK((7_mA).in(units::milliampere) == 7);
+    CHECK((7_A).in(units::milliampere) == 7000);
+    CHECK((7_V).in(units::volt) == 7);
+    CHECK((7_percent).in(units::percent) == 7);
+}
+
 TEST_CASE("each new unit has a symbol") {
     CHECK(std::string{symbol(measure::micrometre_per_second)} == "um/s");
     CHECK(std::string{symbol(measure::milliradian)} == "mrad");

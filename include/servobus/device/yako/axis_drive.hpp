@@ -8,7 +8,7 @@
 //     yako::closed_loop::axis_drive lift{wire, 2, screw};
 //     if (!lift.run(init{}) || !lift.run(enable{})) return 1;
 //     if (!lift.run(yako::closed_loop::home{yako::homing::home_24})) return 1;
-//     if (lift.run(servobus::move_to{125.5_mm}, wait_reached{}).how != arrival_state::reached) return 1;
+//     if (lift.run(travel_to{125.5_mm}, wait_reached{}).how != arrival_state::reached) return 1;
 #pragma once
 
 #include <cstdint>
@@ -92,7 +92,7 @@ constexpr rounded_profile profile_on(const axis& on, const axis_profile& by, con
 } // namespace detail
 
 /// To a place from the drive's home. Errors: as `yako::move_to`; `out_of_range`.
-constexpr axis_command plan_on_axis(const servobus::move_to& wanted, const axis_place& at,
+constexpr axis_command plan_on_axis(const travel_to& wanted, const axis_place& at,
                                     const cached_settings& known) {
     const axis& on = at.geometry();
     const result<std::int32_t> counts = on.counts_of(wanted.place);
@@ -102,7 +102,7 @@ constexpr axis_command plan_on_axis(const servobus::move_to& wanted, const axis_
     return c;
 }
 /// Errors: as `yako::move_by`; `out_of_range`.
-constexpr axis_command plan_on_axis(const servobus::move_by& wanted, const axis_place& at,
+constexpr axis_command plan_on_axis(const travel_by& wanted, const axis_place& at,
                                     const cached_settings& known) {
     std::int32_t rest = 0;
     const result<std::int32_t> counts = at.plan(wanted.way, rest);
@@ -114,7 +114,7 @@ constexpr axis_command plan_on_axis(const servobus::move_by& wanted, const axis_
     return c;
 }
 /// Errors: as `yako::velocity`; `out_of_range`.
-constexpr axis_command plan_on_axis(const servobus::move_at& wanted, const axis_place& at,
+constexpr axis_command plan_on_axis(const travel_at& wanted, const axis_place& at,
                                     const cached_settings& known) {
     const auto to = detail::speed_on(at.geometry(), wanted.speed, known);
     axis_command c = velocity{to.value}.plan(known);
@@ -130,7 +130,7 @@ constexpr axis_command plan_on_axis(const servobus::hold_at& wanted, const axis_
     return c;
 }
 /// A mirrored axis has its lowest place where the drive counts highest. Errors: as `yako::limit_travel`; `out_of_range`.
-constexpr axis_command plan_on_axis(const servobus::limit_travel& wanted, const axis_place& at,
+constexpr axis_command plan_on_axis(const travel_limits& wanted, const axis_place& at,
                                     const cached_settings& known) {
     const axis& on = at.geometry();
     const result<std::int32_t> low = on.counts_of(on.is_mirrored() ? wanted.highest : wanted.lowest);
@@ -140,7 +140,7 @@ constexpr axis_command plan_on_axis(const servobus::limit_travel& wanted, const 
     return c;
 }
 /// Errors: as `yako::declare_position`; `out_of_range`.
-constexpr axis_command plan_on_axis(const servobus::declare_position& wanted, const axis_place& at,
+constexpr axis_command plan_on_axis(const declare_place& wanted, const axis_place& at,
                                     const cached_settings& known) {
     const result<std::int32_t> counts = at.geometry().counts_of(wanted.place);
     axis_command c = declare_position{distance{counts.value_or(0)}}.plan(known);

@@ -4,11 +4,11 @@
 // ZLTECH ZLAC8015D: a drive whose two motors move an axis each, in lengths and speeds of the machine, such as two belts.
 // Programs include it beside or in place of servobus/device/zlac8015d.hpp.
 //
-//     static constexpr auto belt = axis::of(rolling(120_mm, counts_per_turn{4096}, gear{5, 1}));
+//     static constexpr auto belt = axis::of(rolling(120_mm, counts_per_turn{4096}, gear_ratio{5, 1}));
 //     zlac8015d::axes belts{wire, 1, belt, belt, {.command_timeout = milliseconds(300)}};
 //     constexpr zlac8015d::enable_in ways{zlac8015d::operating_mode::relative_position, zlac8015d::synchronisation::asynchronous};
 //     if (!belts.run(init{}) || !belts.run(ways)) return 1;
-//     if (belts.left().run(servobus::move_by{250_mm}, wait_reached{}).how != arrival_state::reached) return 1;
+//     if (belts.left().run(travel_by{250_mm}, wait_reached{}).how != arrival_state::reached) return 1;
 #pragma once
 
 #include <cstdint>
@@ -77,7 +77,7 @@ constexpr errc profile_error(const axis_profile& by) {
 
 /// Absolute position mode, asynchronous: to a place from the drive's absolute zero (2006h). Errors: as `move_left_to`;
 /// `out_of_range`; `bad_argument` with a profile, which is the drive's: `position_speed`, `ramps`.
-constexpr axis_command plan_on_wheel(const servobus::move_to& wanted, const axis_place& at, wheels which,
+constexpr axis_command plan_on_wheel(const travel_to& wanted, const axis_place& at, wheels which,
                                      const cached_settings& known) {
     const result<std::int32_t> counts = at.geometry().counts_of(wanted.place);
     const distance place{counts.value_or(0)};
@@ -88,7 +88,7 @@ constexpr axis_command plan_on_wheel(const servobus::move_to& wanted, const axis
     return c;
 }
 /// Relative position mode, asynchronous. Errors likewise.
-constexpr axis_command plan_on_wheel(const servobus::move_by& wanted, const axis_place& at, wheels which,
+constexpr axis_command plan_on_wheel(const travel_by& wanted, const axis_place& at, wheels which,
                                      const cached_settings& known) {
     std::int32_t rest = 0;
     const result<std::int32_t> counts = at.plan(wanted.way, rest);
@@ -102,7 +102,7 @@ constexpr axis_command plan_on_wheel(const servobus::move_by& wanted, const axis
 }
 /// Velocity mode, to the nearest count of the drive's speed; the other axis keeps its speed. Errors: as `left_velocity`;
 /// `out_of_range`, also for a speed that is not 0 and rounds to it.
-constexpr axis_command plan_on_wheel(const servobus::move_at& wanted, const axis_place& at, wheels which,
+constexpr axis_command plan_on_wheel(const travel_at& wanted, const axis_place& at, wheels which,
                                      const cached_settings& known) {
     const result<motor_speed> exact = at.geometry().motor_speed_of(wanted.speed);
     const std::int32_t tenths = exact.value_or(motor_speed{}).count();
@@ -124,7 +124,7 @@ template <class Drive> class axis_of_drive {
     /// The axis that the motor moves.
     constexpr const axis& geometry() const { return place().geometry(); }
 
-    /// Runs a command of this axis: `move_to`, `move_by`, `move_at`. Waits.
+    /// Runs a command of this axis: `travel_to`, `travel_by`, `travel_at`. Waits.
     template <class Wanted> routine_status run(const Wanted& wanted) {
         return drive_->run(detail::command_of_wheel<Wanted>{wanted, place(), which_});
     }
