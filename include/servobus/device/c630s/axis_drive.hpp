@@ -199,8 +199,8 @@ constexpr axis_command plan_on_axis(const travel_at& wanted, const axis_place& a
 
 /// One C630S on a line that moves an axis. Commands of the drive itself stay in reference units. `init` compares the counts of
 /// a turn with P05-02, or, where that is 0, with the first gear and the encoder's counts: `unexpected_value`.
-template <class Line> class axis_drive : public axis_facade<drive<Line, axis_model>> {
-    using base = axis_facade<drive<Line, axis_model>>;
+template <class Line> class axis_drive : public axis_facade<basic_drive<Line, axis_model>> {
+    using base = axis_facade<basic_drive<Line, axis_model>>;
 
   public:
     constexpr axis_drive(Line& on, std::uint8_t at, const axis& of, const optional_supervision& by = {},

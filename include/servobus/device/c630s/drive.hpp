@@ -20,30 +20,15 @@
 
 namespace servobus::c630s {
 
-/// One C630S on a line.
-///
-///     c630s::drive servo{wire, 1};
-///     if (!servo.run(init{})) ...
-///     if (servo.state() == drive_state::needs_set_up && !servo.run(set_up{})) ...
-///     if (servo.needs_power_cycle()) ... // switch the drive off and on, then init again
-///     if (!servo.run(enable_in{control_mode::speed})) ...
-///     if (!servo.run(velocity{300 * r_per_min})) ...
-///
-/// In a superloop `begin(command)` instead of `run`, and `step()` in each loop iteration. After an unknown
-/// outcome or a restart of the drive the state is `needs_init`, and no motion is commanded until `init` has run:
-/// motion never resumes by itself. A restart shows as `restart_visible()` says.
-///
-/// **The drive has no documented watchdog.** When the line or this program is lost, it continues with its last
-/// command: a speed, a torque or a jog without end. A command timeout covers a program that has stopped
-/// commanding but still steps; for the rest a wired stop is needed.
-template <class Line, class Model = model> class drive : public facade<Model, Line> {
+/// What every facade of a C630S has: `drive`, and that of an axis, whose model derives from the drive's.
+template <class Line, class Model = model> class basic_drive : public facade<Model, Line> {
     using base = facade<Model, Line>;
 
   public:
-    constexpr explicit drive(Line& on, std::uint8_t at = 1, const optional_supervision& by = {})
-        : drive{on, servobus::node<device>{at}, by} {}
+    constexpr explicit basic_drive(Line& on, std::uint8_t at = 1, const optional_supervision& by = {})
+        : basic_drive{on, servobus::node<device>{at}, by} {}
     /// With limits and gaps of its own.
-    constexpr drive(Line& on, const servobus::node<device>& at, const optional_supervision& by = {})
+    constexpr basic_drive(Line& on, const servobus::node<device>& at, const optional_supervision& by = {})
         : base{on, at, by.feedback, by.command_timeout} {}
 
     /// The word order of 32-bit values; `unknown` before `init`, while a command may change it, and after a
@@ -136,6 +121,26 @@ template <class Line, class Model = model> class drive : public facade<Model, Li
         for (std::size_t i = 1; i < c630s::feedback::size; ++i) words[i] = this->slower().words(1)[i - 1];
         return c630s::feedback::from_words(words, this->cached().word_order);
     }
+};
+
+/// One C630S on a line.
+///
+///     c630s::drive servo{wire, 1};
+///     if (!servo.run(init{})) ...
+///     if (servo.state() == drive_state::needs_set_up && !servo.run(set_up{})) ...
+///     if (servo.needs_power_cycle()) ... // switch the drive off and on, then init again
+///     if (!servo.run(enable_in{control_mode::speed})) ...
+///     if (!servo.run(velocity{300 * r_per_min})) ...
+///
+/// In a superloop `begin(command)` instead of `run`, and `step()` in each loop iteration. After an unknown
+/// outcome or a restart of the drive the state is `needs_init`, and no motion is commanded until `init` has run:
+/// motion never resumes by itself. A restart shows as `restart_visible()` says.
+///
+/// **The drive has no documented watchdog.** When the line or this program is lost, it continues with its last
+/// command: a speed, a torque or a jog without end. A command timeout covers a program that has stopped
+/// commanding but still steps; for the rest a wired stop is needed.
+template <class Line> class drive : public basic_drive<Line> {
+    using basic_drive<Line>::basic_drive; // C++20 deduces no `Line` from them: the guides do
 };
 template <class Line> drive(Line&, std::uint8_t) -> drive<Line>;
 template <class Line> drive(Line&, std::uint8_t, const optional_supervision&) -> drive<Line>;

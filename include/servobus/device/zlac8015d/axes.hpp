@@ -168,8 +168,8 @@ template <class Drive> class axis_of_drive {
 
 /// One ZLAC8015D on a line whose motors move an axis each. `init` compares the counts of a turn with the encoders' lines, 2030h
 /// and 2060h: `unexpected_value`.
-template <class Line> class axes : public drive<Line, axes_model> {
-    using base = drive<Line, axes_model>;
+template <class Line> class axes : public basic_drive<Line, axes_model> {
+    using base = basic_drive<Line, axes_model>;
 
   public:
     constexpr axes(Line& wire, std::uint8_t at, const axis& left, const axis& right, const supervision& by)

@@ -51,25 +51,15 @@ struct feedback {
     }
 };
 
-/// One ZLAC8015D on a line.
-///
-///     zlac8015d::drive wheels{wire, 1, {.command_timeout = milliseconds(300)}};
-///     if (!wheels.run(init{})) ...
-///     if (!wheels.run(enable_in{operating_mode::velocity})) ...
-///     if (!wheels.run(velocity{30 * r_per_min, -30 * r_per_min})) ...
-///
-/// In a superloop `begin(command)` instead of `run`, and `step()` in each loop iteration. When the drive's
-/// watchdog may have expired, after an unknown outcome or a restart of the drive the state is `needs_init`, and
-/// no motion is commanded until `init` has run: motion never resumes by itself. (Time is measured by a clock
-/// that wraps after 71 minutes: a program that may rest as long calls `step()` meanwhile, or `init` first.)
-template <class Line, class Model = model> class drive : public facade<Model, Line> {
+/// What every facade of a ZLAC8015D has: `drive`, and those of robots and axes, whose models derive from the drive's.
+template <class Line, class Model = model> class basic_drive : public facade<Model, Line> {
     using base = facade<Model, Line>;
 
   public:
-    constexpr drive(Line& on, std::uint8_t at, const supervision& by)
-        : drive{on, servobus::node<device>{at}, by} {}
+    constexpr basic_drive(Line& on, std::uint8_t at, const supervision& by)
+        : basic_drive{on, servobus::node<device>{at}, by} {}
     /// With limits and gaps of its own.
-    constexpr drive(Line& on, const servobus::node<device>& at, const supervision& by)
+    constexpr basic_drive(Line& on, const servobus::node<device>& at, const supervision& by)
         : base{on, at, by.feedback, by.command_timeout} {}
 
     /// The feedback, read at most `oldest` ago. Errors: `needs_init`; `busy` while a command changes settings, and during `init`;
@@ -123,6 +113,21 @@ template <class Line, class Model = model> class drive : public facade<Model, Li
     constexpr zlac8015d::feedback last_feedback() const {
         return zlac8015d::feedback::from_words({this->image(), Model::blocks.image().words});
     }
+};
+
+/// One ZLAC8015D on a line.
+///
+///     zlac8015d::drive wheels{wire, 1, {.command_timeout = milliseconds(300)}};
+///     if (!wheels.run(init{})) ...
+///     if (!wheels.run(enable_in{operating_mode::velocity})) ...
+///     if (!wheels.run(velocity{30 * r_per_min, -30 * r_per_min})) ...
+///
+/// In a superloop `begin(command)` instead of `run`, and `step()` in each loop iteration. When the drive's
+/// watchdog may have expired, after an unknown outcome or a restart of the drive the state is `needs_init`, and
+/// no motion is commanded until `init` has run: motion never resumes by itself. (Time is measured by a clock
+/// that wraps after 71 minutes: a program that may rest as long calls `step()` meanwhile, or `init` first.)
+template <class Line> class drive : public basic_drive<Line> {
+    using basic_drive<Line>::basic_drive; // C++20 deduces no `Line` from them: the guides do
 };
 template <class Line> drive(Line&, std::uint8_t, const supervision&) -> drive<Line>;
 template <class Line> drive(Line&, const servobus::node<device>&, const supervision&) -> drive<Line>;

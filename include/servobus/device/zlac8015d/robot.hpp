@@ -115,8 +115,8 @@ struct twist_of {
 } // namespace detail
 
 /// One ZLAC8015D on a line whose motors are the wheels of a robot; a `drive` with a pose.
-template <class Line> class robot : public drive<Line, robot_model> {
-    using base = drive<Line, robot_model>;
+template <class Line> class robot : public basic_drive<Line, robot_model> {
+    using base = basic_drive<Line, robot_model>;
 
   public:
     constexpr robot(Line& wire, std::uint8_t at, const differential& on, const supervision& by)
