@@ -34,8 +34,8 @@ enum reference_word : std::uint8_t { pulses_at = 0, numerator_at = 5, denominato
 /// The resolution of the motor's encoder, which the drive does not report: with P05-02 = 0 the gear refers to it.
 enum class encoder_counts : std::uint32_t {
     unknown = 0, ///< a drive with P05-02 = 0 is not taken over
-    of_17_bits = 1u << 17,
-    of_23_bits = 1u << 23,
+    of_17_bits = std::uint32_t{1} << 17,
+    of_23_bits = std::uint32_t{1} << 23,
 };
 
 /// A prepared command that may be a part of a move of an axis.
