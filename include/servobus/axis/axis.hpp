@@ -57,7 +57,7 @@ class axis {
     constexpr result<micrometres> length_of(std::int32_t counts) const {
         const result<std::int32_t> um = um_of_count_.nearest(counts);
         if (!um) return um.error();
-        return micrometres{*um * sign_};
+        return micrometres{std::int64_t{*um} * sign_};
     }
     /// The um of counts within `most_counts()`, after others that have left `rest`, which becomes what these leave.
     constexpr std::int32_t um_of(std::int32_t counts, std::int32_t& rest) const {
