@@ -60,9 +60,10 @@ struct plane_pose {
         const std::int64_t limited = um.count() > most ? most : um.count() < -most ? -most : um.count();
         return static_cast<std::int64_t>(static_cast<std::uint64_t>(limited) << 24);
     }
-    static constexpr millimetres nearest_mm(std::int64_t fine) {
+    // A template: the compiler computes the ratio for who uses it.
+    template <std::uint64_t Parts = 32> static constexpr millimetres nearest_mm(std::int64_t fine) {
         // 2^8 um are 32/125 mm. What is below them is less than 32/125 mm, and may reach the next half.
-        constexpr scale mm_of_256_um = scale::of(32, 125);
+        constexpr scale mm_of_256_um = scale::of(Parts, 125);
         std::int32_t rest = 0;
         const std::int32_t mm =
             mm_of_256_um.convert(static_cast<std::int32_t>(fine >> 32), rest).value_or(-549'755'814);

@@ -15,6 +15,7 @@
 
 namespace servobus {
 
+/// A prepared command of a drive that moves an axis.
 template <class Command> struct axis_command : Command {
     constexpr axis_command(const Command& c) : Command{c} {} // NOLINT: implicit, as every other command
     constexpr explicit axis_command(const routine& table) : Command{.steps = table} {}
