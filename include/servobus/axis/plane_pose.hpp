@@ -14,7 +14,6 @@
 #include <cstdint>
 
 #include <servobus/axis/lengths.hpp>
-#include <servobus/axis/scale.hpp>
 #include <servobus/core/time.hpp>
 #include <servobus/registers/unit.hpp>
 
@@ -60,13 +59,13 @@ struct plane_pose {
         const std::int64_t limited = um.count() > most ? most : um.count() < -most ? -most : um.count();
         return static_cast<std::int64_t>(static_cast<std::uint64_t>(limited) << 24);
     }
-    // A template: the compiler computes the ratio for who uses it.
-    template <std::uint64_t Parts = 32> static constexpr millimetres nearest_mm(std::int64_t fine) {
-        // 2^8 um are 32/125 mm. What is below them is less than 32/125 mm, and may reach the next half.
-        constexpr scale mm_of_256_um = scale::of(Parts, 125);
-        std::int32_t rest = 0;
-        const std::int32_t mm =
-            mm_of_256_um.convert(static_cast<std::int32_t>(fine >> 32), rest).value_or(-549'755'814);
+    static constexpr millimetres nearest_mm(std::int64_t fine) {
+        // 2^8 um are 32/125 mm, 0.256. What is below them is less than that, and may reach the next half.
+        const auto parts = static_cast<std::int32_t>(fine >> 32);
+        auto mm = static_cast<std::int32_t>(std::int64_t{parts} * 1'099'511'628 >> 32);
+        auto rest = static_cast<std::int32_t>(static_cast<std::uint32_t>(parts) * 32u -
+                                              static_cast<std::uint32_t>(mm) * 125u);
+        for (; rest < 0; rest += 125) --mm;
         const auto below = static_cast<std::int32_t>(static_cast<std::uint32_t>(fine) >> 26); // 1/250 mm
         return millimetres{2 * rest + below >= 125 ? mm + 1 : mm};
     }
