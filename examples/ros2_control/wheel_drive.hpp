@@ -85,8 +85,8 @@ class wheels_model : public servobus::zlac8015d::model {
 };
 
 /// The drive with its followed wheels.
-template <class Line> class wheel_drive : public servobus::zlac8015d::drive<Line, wheels_model> {
-    using base = servobus::zlac8015d::drive<Line, wheels_model>;
+template <class Line> class wheel_drive : public servobus::zlac8015d::basic_drive<Line, wheels_model> {
+    using base = servobus::zlac8015d::basic_drive<Line, wheels_model>;
 
   public:
     using base::base;
