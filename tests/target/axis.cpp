@@ -54,6 +54,7 @@ bool job() {
     is_right = is_right && measured_sine(0x1234'5678).sine > 0 && measured_sine(0x789A'BCDE).cosine < 0 &&
                measured_sine(0xC321'0987).sine < 0;
     measured_pose.set({});
+    measured_pose.expect_arc({}); // the clock of each job begins at 0
     measured_pose.start(0, 0);
     is_right = is_right && measured_update(500, 0u - 400, 20'000) &&
                measured_update(1000, 0u - 1234, 40'000) && measured_update(700, 0u - 900, 60'000);

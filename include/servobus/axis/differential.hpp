@@ -55,7 +55,7 @@ class differential {
         std::int32_t speed = t.speed.count();
         std::int64_t side = std::int64_t{t.turn.count()} * base_.ratios().half_track; // 2^-29 um/s
         wheel_speeds both{};
-        // What the scales do not convert is above every limit.
+        // A speed that the scales do not convert is above every limit.
         while (detail::is_beyond(speed, most_) ||
                detail::is_beyond(static_cast<std::int32_t>(side >> 32), most_ / 8)) {
             speed /= 2;

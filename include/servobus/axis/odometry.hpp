@@ -28,8 +28,8 @@ namespace servobus {
 /// A step is what a wheel moves between two updates. It is not added, and the pose is not continuous from then on, where it
 /// tells too little of the path: a step of more than 8.3 m or 2^20 counts, one that turns the axle by more than 0.4 rad, one
 /// of more than 100 ms whose way times turn is more than 1 mm rad, since its path may end 0.25 mm beside the arc, and one of
-/// more than 500 ms whose way is more than 1 mm; of these two `expect_arc` can know more. A drive that has restarted is found so only if its position differs by so much.
-/// Who knows of a restart calls `restart`.
+/// more than 500 ms whose way is more than 1 mm; of these two `expect_arc` can know more. A drive that has restarted is found
+/// so only if its position differs by so much. Who knows of a restart calls `restart`.
 ///
 /// Error of the arithmetic in a kilometre of steps of up to 0.05 rad: 20 um and 1e-9 rad, with counts of 0.4 um and more.
 class odometry {
@@ -57,9 +57,12 @@ class odometry {
         start(left, right);
     }
 
-    /// Sets the pose, which is continuous from then on. The next step begins where the last one has ended.
+    /// Sets the pose, which is continuous from then on. The next step begins where, and when, the last one has ended: the
+    /// time of `to` is not used.
     constexpr void set(const plane_pose& to) {
+        const instant was = pose_.time;
         pose_ = to;
+        pose_.time = was;
         pose_.is_continuous = true;
         rest_ = 0;
     }

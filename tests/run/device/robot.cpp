@@ -72,6 +72,17 @@ TEST_CASE("G42: twists become speeds of both wheels in one frame; above the limi
     CHECK(r.robot.begin(forward) == errc::wrong_state);
 }
 
+TEST_CASE("a pose that is set without a time while the wheels turn stays continuous") {
+    rig r;
+    r.be_enabled();
+    r.go(forward, 1000);
+    r.robot.set_pose(plane_pose::at(1_m, 0_m, 90_mrad));
+    REQUIRE(r.robot.pose().is_continuous);
+    r.go(forward, 200);
+    CHECK(r.robot.pose().is_continuous);
+    CHECK(r.robot.pose().x_mm() > 1100_mm);
+}
+
 TEST_CASE("a pose begins with the first feedback, says when it was true, and follows the wheels") {
     rig r;
     CHECK_FALSE(r.robot.pose().is_continuous);

@@ -180,6 +180,10 @@ template <class Line> class axes : public basic_drive<Line, axes_model> {
         : base{wire, at, by} {
         this->model().set_axes(left, right);
     }
+    axes(Line&, std::uint8_t, const axis&&, const axis&, const supervision&) = delete; // they are referred to
+    axes(Line&, std::uint8_t, const axis&, const axis&&, const supervision&) = delete;
+    axes(Line&, const servobus::node<device>&, const axis&&, const axis&, const supervision&) = delete;
+    axes(Line&, const servobus::node<device>&, const axis&, const axis&&, const supervision&) = delete;
 
     constexpr axis_of_drive<axes> left() { return {*this, wheels::left}; }
     constexpr axis_of_drive<axes> right() { return {*this, wheels::right}; }
