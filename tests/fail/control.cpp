@@ -5,6 +5,7 @@
 #include <array>
 
 #include <servobus/any_device.hpp>
+#include <servobus/axis/differential.hpp>
 #include <servobus/client/settings_on_one_line.hpp>
 #include <servobus/client/stepped_read.hpp>
 #include <servobus/client/stepped_write.hpp>
@@ -22,12 +23,14 @@
 
 #include "../../examples/own_device/own_subject.hpp"
 #include "basin.hpp"
+#include "belts.hpp"
 #include "chassis.hpp"
 #include "gauge.hpp"
 #include "program.hpp"
 #include "served.hpp"
 
 namespace c630s = servobus::c630s;
+using servobus::differential;
 using namespace servobus::c630s::literals;
 #include "stepper.hpp"
 
@@ -351,6 +354,9 @@ int main() {
     (void)rolling(652.3_mm, counts_per_turn{4 * 4096});
     (void)rolling(652.3_mm, counts_per_turn{16384}, gear_ratio{37, 10});
     (void)axle::of({.left = tyre, .right = tyre, .track = 500_mm});
-    (void)axle::of({.left = tyre, .right = tyre, .track = 400_mm});
+    (void)axle::of({.left = rolling(652.3_mm, counts_per_turn{4}), .right = tyre, .track = 500_mm});
+    (void)differential::of({.left = tyre, .right = tyre, .track = 500_mm});
+    zlac::axes belts{line_of_belts, 1, belt, belt, servobus::unsupervised};
+    (void)belts;
     (void)axle::of({.left = rolling(652'301_um, counts_per_turn{1u << 28}), .right = tyre, .track = 500_mm});
 }

@@ -27,7 +27,7 @@ using micrometres_per_second = quantity<unit{measure::micrometre_per_second}, st
 /// A speed of a motor in 0.1 r/min.
 using motor_speed = quantity<units::r_per_min / 10, std::int32_t>;
 
-/// The ratios of an axis. It is a constant.
+/// The ratios of an axis.
 class axis {
     // In front: clang 14 does not find it in constants otherwise.
     template <class Convert>
@@ -40,7 +40,39 @@ class axis {
     }
 
   public:
-    static consteval axis of(const feed& by) { return axis{by}; }
+    /// Refuses what it is asked to convert. Where an axis was refused itself, this is left, and no drive is taken over with
+    /// it, since it has no counts.
+    constexpr axis() = default;
+
+    /// A feed that is too fine for a scale does not compile.
+    static consteval axis of(const feed& by) {
+        const result<axis> made = checked(by);
+        if (!made) detail::a_scale_in_lowest_terms_is_below_2_32_over_at_most_2_29();
+        return *made;
+    }
+    /// The same of a feed that is known at run time only. It divides.
+    /// Errors: out_of_range (a feed of nothing, or one that is too fine for a scale).
+    static constexpr result<axis> checked(const feed& by) {
+        constexpr unit tenth = units::r_per_min / 10;
+        const result<scale> um_of_count = by.um_of_count();
+        const result<scale> counts_of_um = by.counts_of_um();
+        const result<scale> tenths_of_um_per_s = by.speed_counts_of_um_per_s(tenth);
+        const result<scale> um_per_s_of_tenth = by.um_per_s_of_speed_count(tenth);
+        if (!um_of_count || !counts_of_um || !tenths_of_um_per_s || !um_per_s_of_tenth)
+            return errc::out_of_range;
+        axis made;
+        made.um_of_count_ = *um_of_count;
+        made.counts_of_um_ = *counts_of_um;
+        made.tenths_of_um_per_s_ = *tenths_of_um_per_s;
+        made.um_per_s_of_tenth_ = *um_per_s_of_tenth;
+        made.counts_of_turn_ = by.counts_of_motor_turn();
+        made.sign_ = by.direction() == count_direction::forward ? 1 : -1;
+        return made;
+    }
+    /// The same of a feed that may have been refused.
+    static constexpr result<axis> checked(const result<feed>& by) {
+        return by ? checked(*by) : result<axis>{by.error()};
+    }
 
     /// The place of a length from zero, to the nearest count.
     /// Errors: out_of_range (it has no count of 32 bits).
@@ -85,20 +117,15 @@ class axis {
     constexpr std::uint32_t counts_of_motor_turn() const { return counts_of_turn_; }
 
   private:
-    consteval explicit axis(const feed& by)
-        : um_of_count_{by.um_of_count()}, counts_of_um_{by.counts_of_um()},
-          tenths_of_um_per_s_{by.speed_counts_of_um_per_s(units::r_per_min / 10)},
-          um_per_s_of_tenth_{by.um_per_s_of_speed_count(units::r_per_min / 10)},
-          counts_of_turn_{by.counts_of_motor_turn()}, sign_{static_cast<std::int8_t>(
-                                                          by.direction() == count_direction::forward ? 1
-                                                                                                     : -1)} {}
+    // Nothing but 0 converts.
+    static constexpr scale refusing = scale::of(0xFFFF'FFFF, 1);
 
-    scale um_of_count_;
-    scale counts_of_um_;
-    scale tenths_of_um_per_s_;
-    scale um_per_s_of_tenth_;
-    std::uint32_t counts_of_turn_;
-    std::int8_t sign_;
+    scale um_of_count_ = scale::zero();
+    scale counts_of_um_ = refusing;
+    scale tenths_of_um_per_s_ = refusing;
+    scale um_per_s_of_tenth_ = scale::zero();
+    std::uint32_t counts_of_turn_ = 0;
+    std::int8_t sign_ = 1;
 };
 
 } // namespace servobus

@@ -17,9 +17,16 @@
 #include <servobus/axis/axle.hpp>
 #include <servobus/axis/detail/is_beyond.hpp>
 #include <servobus/axis/scale.hpp>
+#include <servobus/core/result.hpp>
+#include <servobus/core/status.hpp>
 #include <servobus/registers/unit.hpp>
 
 namespace servobus {
+
+namespace detail {
+// Not constexpr on purpose: a constant differential that calls it does not compile, and the error names the rule.
+inline void a_turn_of_the_motor_travels_10_um_to_4_3_m() {}
+} // namespace detail
 
 /// The speed of a machine in the plane.
 struct twist {
@@ -40,52 +47,78 @@ struct wheel_speeds {
     friend constexpr bool operator==(const wheel_speeds&, const wheel_speeds&) = default;
 };
 
-/// Two wheels on one axle, and their speeds at a twist. It is a constant.
+/// Two wheels on one axle, and their speeds at a twist.
 class differential {
   public:
-    /// Errors as `axle::of`.
-    static consteval differential of(const axle::parts& p) { return differential{axle::of(p)}; }
+    /// Without wheels: their speeds are 0, and no drive is taken over with it, since it has no counts.
+    constexpr differential() = default;
+
+    /// What `axle::of` refuses does not compile.
+    static consteval differential of(const axle::parts& p) {
+        (void)axle::of(p);
+        const result<differential> made = checked(p);
+        if (!made) detail::a_turn_of_the_motor_travels_10_um_to_4_3_m();
+        return *made;
+    }
+    /// The same of parts that are known at run time only. It divides.
+    /// Errors: out_of_range (as `axle::checked`; a turn of a motor travels less than 10 um or more than 4.3 m).
+    static constexpr result<differential> checked(const axle::parts& p) {
+        const result<axle> on = axle::checked(p);
+        if (!on) return on.error();
+        const result<scale> left = p.left.speed_counts_of_um_per_s(units::r_per_min);
+        const result<scale> right = p.right.speed_counts_of_um_per_s(units::r_per_min);
+        if (!left || !right || !is_wheel(p.left) || !is_wheel(p.right)) return errc::out_of_range;
+        // Speed and turn together are at most twice as much, ten times as many counts, and must convert.
+        const std::int32_t most = left->most() < right->most() ? left->most() : right->most();
+        differential made;
+        made.base_ = *on;
+        made.left_ = *left;
+        made.right_ = *right;
+        made.most_ = static_cast<std::uint32_t>(most) / 20 - 16;
+        return made;
+    }
 
     constexpr const axle& base() const { return base_; }
 
     /// The speeds of the wheels at this twist, any of 32 bits, for drives whose register of speed counts `per_r_per_min`
     /// (1 .. 10) a r/min of the motor. No wheel exceeds `limit` (1 .. 32767 counts): limited after `speed` and `turn` are
-    /// added, by one factor for both. Error: at most 1.5 counts.
+    /// added, by one factor for both. Error: at most 1.5 counts and half a um/s, with
+    /// wheels that are at most ten times as large as each other.
     constexpr wheel_speeds wheels(const twist& t, std::uint32_t per_r_per_min, std::uint32_t limit) const {
         std::int32_t speed = t.speed.count();
         std::int64_t side = std::int64_t{t.turn.count()} * base_.ratios().half_track; // 2^-29 um/s
-        wheel_speeds both{};
-        // A speed that the scales do not convert is above every limit.
+        std::uint32_t halved = 0; // times, until the scales convert both
         while (detail::is_beyond(speed, most_) ||
                detail::is_beyond(static_cast<std::int32_t>(side >> 32), most_ / 8)) {
             speed /= 2;
             side /= 2;
-            both.is_limited = true;
+            ++halved;
         }
         const auto turning = static_cast<std::int32_t>((side + (std::int32_t{1} << 28)) >> 29);
         const auto per = static_cast<std::int32_t>(per_r_per_min);
+        wheel_speeds both{};
         both.left = counts(left_, base_.left(), (speed - turning) * per);
         both.right = counts(right_, base_.right(), (speed + turning) * per);
         const std::uint32_t left = size_of(both.left);
         const std::uint32_t right = size_of(both.right);
         const std::uint32_t most = left < right ? right : left;
-        if (both.is_limited || most > limit) {
+        if (most > limit >> halved) {
             both.left = limited(both.left, left, most, limit);
             both.right = limited(both.right, right, most, limit);
             both.is_limited = true;
+        } else {
+            both.left <<= halved;
+            both.right <<= halved;
         }
         return both;
     }
 
   private:
-    consteval explicit differential(const axle& on)
-        : base_{on}, left_{on.left().speed_counts_of_um_per_s(units::r_per_min)},
-          right_{on.right().speed_counts_of_um_per_s(units::r_per_min)} {
-        // Speed and turn together are at most twice as much, ten times as many counts, and must convert.
-        const std::int32_t most = left_.most() < right_.most() ? left_.most() : right_.most();
-        most_ = static_cast<std::uint32_t>(most) / 20 - 16;
+    // With more a scale would lose digits, with less a twist that is halved would.
+    static constexpr bool is_wheel(const feed& w) {
+        const std::uint64_t turns = w.ratio().motor_turns;
+        return w.travel() >= 10'000 * turns && w.travel() <= 4'300'000'000 * turns;
     }
-
     static constexpr std::uint32_t size_of(std::int32_t v) {
         return static_cast<std::uint32_t>(v < 0 ? -v : v);
     }
@@ -115,10 +148,10 @@ class differential {
         return value < 0 ? -static_cast<std::int32_t>(cut) : static_cast<std::int32_t>(cut);
     }
 
-    axle base_;
-    scale left_; // counts of r/min
-    scale right_;
-    std::uint32_t most_ = 0; // um/s, of the twist's speed, and of the wheels by its turn
+    axle base_{};
+    scale left_ = scale::zero(); // counts of r/min
+    scale right_ = scale::zero();
+    std::uint32_t most_ = 1'000'000; // um/s, of the twist's speed, and of the wheels by its turn
 };
 
 } // namespace servobus

@@ -36,31 +36,35 @@ class scale {
 
     /// The ratio `numerator / denominator`. A ratio of 0, or one that is too fine, does not compile.
     static consteval scale of(std::uint64_t numerator, std::uint64_t denominator) {
-        if (numerator == 0 || denominator == 0) {
-            detail::a_scale_is_a_ratio_above_0();
-            return {};
-        }
+        return as_constant(numerator, denominator, checked(numerator, denominator));
+    }
+    /// The same of numbers that are known at run time only. It divides.
+    /// Errors: out_of_range (a ratio of 0, or one that is too fine).
+    static constexpr result<scale> checked(std::uint64_t numerator, std::uint64_t denominator) {
         const std::uint64_t common = detail::greatest_divisor(numerator, denominator);
-        if (!fits(numerator / common, denominator / common))
-            detail::a_scale_in_lowest_terms_is_below_2_32_over_at_most_2_29();
+        if (numerator == 0 || denominator == 0 || !fits(numerator / common, denominator / common))
+            return errc::out_of_range;
         return scale{numerator / common, denominator / common};
     }
 
     /// The ratio `numerator / denominator`, or if that is too fine one that differs from it by at most 2^-30, or 2^-32 of
     /// itself. For speeds, which are not added up. A ratio below 2^-30 does not compile.
     static consteval scale close_to(std::uint64_t numerator, std::uint64_t denominator) {
-        if (numerator == 0 || denominator == 0) {
-            detail::a_scale_is_a_ratio_above_0();
-            return {};
-        }
-        const std::uint64_t common = detail::greatest_divisor(numerator, denominator);
-        if (common == 0 || fits(numerator / common, denominator / common)) return of(numerator, denominator);
+        return as_constant(numerator, denominator, checked_close_to(numerator, denominator));
+    }
+    /// The same of numbers that are known at run time only. It divides.
+    /// Errors: out_of_range (a ratio below 2^-30).
+    static constexpr result<scale> checked_close_to(std::uint64_t numerator, std::uint64_t denominator) {
+        const result<scale> exact = checked(numerator, denominator);
+        if (exact || numerator == 0 || denominator == 0) return exact;
         // Long division takes 62 bits of the denominator.
         for (; denominator > std::uint64_t{1} << 62; denominator /= 2) numerator /= 2;
         std::uint64_t parts = std::uint64_t{1} << 29;
         while (parts > 1 && numerator / denominator >= (std::uint64_t{1} << 32) / parts) parts /= 2;
-        return of(detail::nearest_of(numerator, parts, denominator), parts);
+        return checked(detail::nearest_of(numerator, parts, denominator), parts);
     }
+    /// The ratio 0, to which every number converts: of an axis that was refused.
+    static constexpr scale zero() { return scale{0, 1}; }
 
     /// Converts `x`: the whole number nearest to `x * numerator / denominator` and the rest of earlier conversions.
     /// Halves are rounded up. `carry` is that rest in parts of the denominator, 0 at first, and is replaced by the new
@@ -114,11 +118,19 @@ class scale {
     }
 
   private:
+    static consteval scale as_constant(std::uint64_t numerator, std::uint64_t denominator,
+                                       const result<scale>& found) {
+        if (numerator == 0 || denominator == 0)
+            detail::a_scale_is_a_ratio_above_0();
+        else if (!found)
+            detail::a_scale_in_lowest_terms_is_below_2_32_over_at_most_2_29();
+        return *found;
+    }
     static constexpr bool fits(std::uint64_t numerator, std::uint64_t denominator) {
         return numerator <= 0xFFFF'FFFFu && denominator <= std::uint64_t{1} << 29;
     }
 
-    consteval scale(std::uint64_t numerator, std::uint64_t denominator) {
+    constexpr scale(std::uint64_t numerator, std::uint64_t denominator) {
         whole_ = static_cast<std::uint32_t>(numerator / denominator);
         numerator_ = static_cast<std::uint32_t>(numerator % denominator);
         denominator_ = static_cast<std::int32_t>(denominator);

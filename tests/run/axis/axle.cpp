@@ -26,10 +26,11 @@ static_assert(mirrored(mirrored(tyre)).direction() == count_direction::forward);
 
 // Gears
 constexpr feed lead_screw = lead(5.08_mm, counts_per_turn{1000}, gear_ratio{37, 10});
-static_assert(lead_screw.um_of_count().nearest(3700).value() == 5080 &&
-              lead_screw.um_of_count().is_exact(3700));
-static_assert(lead_screw.counts_of_um().nearest(5080).value() == 3700);
-static_assert(lead_screw.counts_of_um().numerator() == 185 && lead_screw.counts_of_um().denominator() == 254);
+static_assert(lead_screw.um_of_count()->nearest(3700).value() == 5080 &&
+              lead_screw.um_of_count()->is_exact(3700));
+static_assert(lead_screw.counts_of_um()->nearest(5080).value() == 3700);
+static_assert(lead_screw.counts_of_um()->numerator() == 185 &&
+              lead_screw.counts_of_um()->denominator() == 254);
 
 // The limits of what compiles
 static_assert(rolling(4'294'967_um, counts_per_turn{1}).travel() == 4'294'967'000);
@@ -38,19 +39,20 @@ static_assert(rolling(1_um, counts_per_turn{1}, gear_ratio{65535, 1}).counts() =
 
 // Speeds: 600 mm a turn are 100 r/min at 1 m/s.
 constexpr feed round = rolling(600_mm, counts_per_turn{16384});
-static_assert(round.speed_counts_of_um_per_s(units::r_per_min).nearest(1'000'000).value() == 100);
-static_assert(round.speed_counts_of_um_per_s(10 * unit{measure::r_per_min}).nearest(1'000'000).value() == 10);
-static_assert(round.speed_counts_of_um_per_s(units::r_per_min / 10).nearest(1'000'000).value() == 1000);
+static_assert(round.speed_counts_of_um_per_s(units::r_per_min)->nearest(1'000'000).value() == 100);
+static_assert(round.speed_counts_of_um_per_s(10 * unit{measure::r_per_min})->nearest(1'000'000).value() ==
+              10);
+static_assert(round.speed_counts_of_um_per_s(units::r_per_min / 10)->nearest(1'000'000).value() == 1000);
 static_assert(rolling(600_mm, counts_per_turn{16384}, gear_ratio{3, 1})
                   .speed_counts_of_um_per_s(units::r_per_min)
-                  .nearest(1'000'000)
+                  ->nearest(1'000'000)
                   .value() == 300);
 
 // 207.6 mm * pi = 652.194'634'9 mm
 static_assert(diameter(207.6_mm).count() == 652'194'630);
 static_assert(diameter(1_m).count() == 3'141'592'650);
 static_assert(diameter(1.36_m).count() == 4'272'566'010, "4.272'566'009 m");
-static_assert(rolling(diameter(207.6_mm), counts_per_turn{16384}).um_of_count().nearest(16384).value() ==
+static_assert(rolling(diameter(207.6_mm), counts_per_turn{16384}).um_of_count()->nearest(16384).value() ==
               652'195);
 
 constexpr axle base = axle::of({.left = tyre, .right = mirrored(tyre), .track = 500_mm});

@@ -45,6 +45,11 @@ static_assert(at({-2'147'483'647_um_per_s, 2'147'483'647_urad_per_s}) == wheel_s
 static_assert(at({(-0x7FFF'FFFF - 1) * units::micrometre_per_second,
                   (-0x7FFF'FFFF - 1) * units::microradian_per_second}) == wheel_speeds{-180, 300, true});
 
+// Also where a twist is halved until it converts: 120 m/s are not above a limit of 32767 r/min.
+static_assert(base.wheels({120_m_per_s, 0_rad_per_s}, 1, 32'767) == wheel_speeds{12'000, -12'000, false});
+static_assert(base.wheels({240_m_per_s, 40_rad_per_s}, 1, 32'767) == wheel_speeds{23'000, -25'000, false});
+static_assert(base.wheels({330_m_per_s, 0_rad_per_s}, 1, 32'767) == wheel_speeds{32'767, -32'767, true});
+
 TEST_CASE("no wheel is above its limit, and each is within the bound of the scaled pair") {
     std::uint32_t seed = 50;
     for (const axis_twists::subject& s : axis_twists::subjects) {

@@ -72,6 +72,34 @@ TEST_CASE("G42: twists become speeds of both wheels in one frame; above the limi
     CHECK(r.robot.begin(forward) == errc::wrong_state);
 }
 
+TEST_CASE(
+    "a geometry that is known at run time only drives like a constant; a refused one is not taken over") {
+    struct rig_of : simulated::driven_zlac8015d {
+        explicit rig_of(const differential& of) : robot{line, 1, of, unsupervised} {}
+        zlac8015d::robot<line_type> robot;
+    };
+    const auto of_lines = [](std::uint32_t lines) {
+        const result<feed> tyre = feed::checked(600_mm, counts_per_turn{4 * lines});
+        return differential::checked({.left = *tyre, .right = mirrored(*tyre), .track = 500_mm});
+    };
+    const result<differential> made = of_lines(1024);
+    REQUIRE(made);
+    rig_of r{*made};
+    REQUIRE(r.robot.run(init{}));
+    REQUIRE(r.robot.run(enable{}));
+    REQUIRE(r.robot.run(twist{400_mm_per_s, 200_mrad_per_s})); // 35, 45 r/min
+    const std::array words{std::uint16_t{35}, static_cast<std::uint16_t>(-45)};
+    CHECK(r.sent(modbus::write_frame(1, zlac8015d::left_target_speed.address, words)) == 1);
+
+    const result<differential> refused = of_lines(0);
+    CHECK(refused.error() == errc::out_of_range);
+    rig_of n{*refused};
+    CHECK(n.robot.run(init{}).error() == errc::unexpected_value);
+    CHECK(n.robot.state() == drive_state::needs_init);
+    CHECK_FALSE(n.robot.run(enable{}));
+    CHECK(n.robot.begin(twist{2147_m_per_s, 1_rad_per_s}) != errc::ok);
+}
+
 TEST_CASE("a pose that is set without a time while the wheels turn stays continuous") {
     rig r;
     r.be_enabled();
