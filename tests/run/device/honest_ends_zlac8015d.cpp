@@ -193,6 +193,33 @@ TEST_CASE("G35: a wired stop that an enable has read shows in the state when it 
     CHECK(r.drive.cause() == stop_cause::input);
 }
 
+// The speed that was under way when the feedback showed the stop is acknowledged, and ends as done.
+TEST_CASE("a wired stop stays the cause while speeds are commanded, at whatever moment it comes") {
+    unsigned acknowledged = 0;
+    for (const auto who : {stepper::program, stepper::bus}) {
+        for (std::uint64_t us = 0; us < 20'000; us += 500) {
+            scene s{who};
+            for (int i = 0; i < 20; ++i) REQUIRE(s.commands_speed());
+            const std::uint64_t pressed = s.wire.time_us() + us;
+            bool was_held = false;
+            for (int i = 0; i < 40; ++i) {
+                const bool is_held = s.wheels.state() == drive_state::quick_stopped;
+                const bool began = s.wheels.begin(velocity{30 * r_per_min, 30 * r_per_min}) == errc::ok;
+                const std::uint64_t next = s.wire.time_us() + 20'000;
+                while (s.wire.time_us() < next) {
+                    if (s.wire.time_us() >= pressed) s.model.set_input(true, false);
+                    s.turn();
+                    was_held = was_held || s.wheels.state() == drive_state::quick_stopped;
+                    if (was_held) REQUIRE(s.wheels.cause() == stop_cause::input);
+                }
+                acknowledged += began && !is_held && was_held && s.wheels.last() ? 1u : 0u;
+            }
+            CHECK(was_held);
+        }
+    }
+    CHECK(acknowledged > 5);
+}
+
 TEST_CASE("a fault of one wheel stops both if an enable or a halt has read it first") {
     for (const bool is_halt : {false, true}) {
         simulated::driven_zlac8015d r{{.by_fault = sim_options::switched_off::its_wheel},

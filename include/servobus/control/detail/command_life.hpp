@@ -269,7 +269,8 @@ template <class Model, class Exchange> class command_life {
     constexpr void conclude_command(command_kind kind, bool moves, bool is_stop, instant now) {
         if (is_motion(kind)) {
             known_.note_motion(now);
-            known_.set_cause(stop_cause::unknown);
+            // One that was under way when the feedback showed a stop is acknowledged, and does not move.
+            if (known_.is_enabled()) known_.set_cause(stop_cause::unknown);
         }
         if (known_.is_known()) known_.link().watchdog() = Model::watchdog(known_.cached());
         const bool is_take_over = kind == command_kind::take_over;
