@@ -185,6 +185,38 @@ TEST_CASE("G34: a move that is refused has no arrival, and last() says why") {
     CHECK(r.drive.last().error() == errc::wrong_state);
 }
 
+TEST_CASE("G34: an absolute move arrives at its target from wherever either zero is") {
+    rig r;
+    REQUIRE(r.drive.run(init{}));
+    const enable_in absolute{operating_mode::absolute_position};
+    const auto go = [&](std::int32_t left, std::int32_t right) {
+        REQUIRE(r.drive.run(absolute));
+        const arrival came =
+            r.drive.run(move_to{left * pulse, right * pulse}, wait_reached{milliseconds(20'000)});
+        CHECK(came.how == arrival_state::reached);
+        CHECK(came.left_missing.count() == 0);
+        CHECK(came.right_missing.count() == 0);
+        REQUIRE(r.drive.run(disable{}));
+    };
+    go(3000, -2000);
+    REQUIRE(r.drive.run(clear_absolute_zero{wheels::left}));
+    go(1000, -1000);
+    CHECK(r.model.left().position == 4000);
+    CHECK(r.model.right().position == -1000);
+    REQUIRE(r.drive.run(clear_position{}));
+    go(-500, 500);
+    CHECK(r.model.left().position == 2500);
+    CHECK(r.model.right().position == 500);
+    REQUIRE(r.drive.run(clear_absolute_zero{}));
+    REQUIRE(r.drive.run(clear_position{wheels::right}));
+    go(700, 800);
+    CHECK(r.model.left().position == 3200);
+    CHECK(r.model.right().position == 1300);
+    r.model.power_cycle();
+    REQUIRE(r.drive.run(init{}));
+    go(250, -250);
+}
+
 TEST_CASE("G34: without a move there is nothing to wait for") {
     enabled r;
     const std::size_t frames = r.log.frames.size();

@@ -103,7 +103,8 @@ struct park {
     }
 };
 
-/// Sets the position feedback of these wheels to zero, 2005h; at standstill.
+/// Sets the position feedback of these wheels to zero, 2005h; at standstill. The zero of the absolute mode is taken to stay
+/// where it is: what the drive does then is not known, and the manual is silent.
 struct clear_position {
     wheels of = wheels::both;
     constexpr prepared_command plan(const cached_settings& cached) const {
@@ -115,7 +116,8 @@ struct clear_position {
     }
 };
 
-/// Makes the present place the zero of the absolute mode, 2006h; at standstill.
+/// Makes the present place the zero of the absolute mode, 2006h; at standstill. The feedback keeps its own, 2005h; `init`
+/// takes both to be the same, so a program that has set one of them runs both or this one again after it.
 struct clear_absolute_zero {
     wheels of = wheels::both;
     constexpr prepared_command plan(const cached_settings& cached) const {
