@@ -325,6 +325,7 @@ template <> struct switches_of<servobus::sim::c630s_options> {
         detail::row<&options::delay_is_additional>("delay is additional"),
         detail::row<&options::disabled_inputs_count>("disabled inputs count"),
         detail::row<&options::first_output_shows>("first output shows"),
+        detail::row<&options::gear_keeps_rest>("gear keeps rest"),
     };
 };
 

@@ -45,7 +45,7 @@ struct interpretation {
 
 namespace detail {
 inline const std::vector<unsigned> sizes{5, 2, 3, 2, 3, 2, 2, 2, 2, 2, 2, 2};
-inline const std::vector<unsigned> other_sizes{2, 2, 2, 2, 2};
+inline const std::vector<unsigned> other_sizes{2, 2, 2, 2, 2, 2};
 } // namespace detail
 
 /// The number of positions of each switch of `options_of`.
@@ -73,7 +73,8 @@ inline servobus::sim::c630s_options options_of(const choice& c) {
             .bus_voltage_in_volts = c[13] != 0,
             .delay_is_additional = c[14] != 0,
             .disabled_inputs_count = c[15] != 0,
-            .first_output_shows = c[16] != 0};
+            .first_output_shows = c[16] != 0,
+            .gear_keeps_rest = c[17] != 0};
 }
 
 namespace detail {

@@ -62,6 +62,8 @@
 // 16  P0D-20 = 1 ends the causes of Er.731, Er.733 and Er.735, 2 also clears the turns. P0D-02, P0D-03,
 //     P0D-11, P31-04, P0C-30, gains, filters and P02-02 have no effect. [`reset_encoder` writes 2; no command
 //     writes the others.]
+// 17  A displacement of a segment is cut to whole counts of the encoder: relative ones lose the rest, up to a count each, so
+//     that many of them drift (`gear_keeps_rest`).
 #pragma once
 
 #include <cstdint>
@@ -140,6 +142,8 @@ struct c630s_options {
     /// If two outputs have the same function, only the first of them shows it, DO1 to DO6 before VDO1 to
     /// VDO16. Section 6.4.2 [C78].
     bool first_output_shows = false;
+    /// What a relative displacement leaves below a count of the encoder is added to the next one. Section 6.1.2 [C84].
+    bool gear_keeps_rest = false;
 };
 
 } // namespace servobus::sim

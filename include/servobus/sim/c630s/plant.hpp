@@ -62,6 +62,7 @@ class c630s_plant {
         if (has_second_gear_) return {value(coolmay::gear_2_numerator), value(coolmay::gear_2_denominator)};
         return {value(coolmay::gear_1_numerator), value(coolmay::gear_1_denominator)};
     }
+    static constexpr std::int64_t farthest = std::int64_t{1} << 42; // counts
     constexpr std::int64_t to_counts(std::int64_t reference_units) const {
         const ratio g = gear();
         const std::int64_t counts = reference_units * g.numerator / g.denominator;
@@ -128,9 +129,6 @@ class c630s_plant {
     bool has_machine_ = false;
     bool is_home_ = false;              // FunOUT.16
     bool is_electrically_home_ = false; // FunOUT.17
-
-  private:
-    static constexpr std::int64_t farthest = std::int64_t{1} << 42;
 };
 
 } // namespace detail

@@ -22,6 +22,7 @@ class c630s_positioning : protected c630s_plant {
     constexpr void begin_positioning() {
         command_.place(motor_.position());
         phase_ = phase::idle;
+        gear_rest_ = 0;
     }
     /// Ends the motion in progress; the remaining segments may be finished later (P11-02).
     constexpr void interrupt() {
@@ -109,12 +110,21 @@ class c630s_positioning : protected c630s_plant {
     }
 
     constexpr void begin_segment() {
-        const std::int64_t way =
-            sign() * to_counts(value(segment_row(coolmay::position_segment_displacements[0].address)));
+        const std::int64_t units =
+            sign() * value(segment_row(coolmay::position_segment_displacements[0].address));
         const bool is_absolute = value(coolmay::position_segment_type) != 0;
-        target_ = (is_absolute ? zero_ : command_.position()) + way;
+        target_ = is_absolute ? zero_ + to_counts(units) : command_.position() + relative_counts(units);
         has_remainder_ = false;
         phase_ = phase::segment;
+    }
+
+    constexpr std::int64_t relative_counts(std::int64_t units) {
+        if (!options_.gear_keeps_rest) return to_counts(units);
+        const ratio g = gear();
+        const std::int64_t parts = units * g.numerator + gear_rest_;
+        const std::int64_t counts = shaft::between(-farthest, parts / g.denominator, farthest);
+        gear_rest_ = parts % g.denominator;
+        return counts;
     }
 
     constexpr std::int64_t unit_of_time() const {
@@ -167,6 +177,7 @@ class c630s_positioning : protected c630s_plant {
 
     std::int64_t target_ = 0;
     std::int64_t rest_ = 0;
+    std::int64_t gear_rest_ = 0; // in parts of the gear's denominator
     std::int64_t speed_ = 0;
     std::int64_t wait_ = 0; // ms
     std::int64_t last_change_ = stop_change;
