@@ -356,6 +356,9 @@ int main() {
     (void)axle::of({.left = tyre, .right = tyre, .track = 500_mm});
     (void)axle::of({.left = rolling(652.3_mm, counts_per_turn{4}), .right = tyre, .track = 500_mm});
     (void)differential::of({.left = tyre, .right = tyre, .track = 500_mm});
+    servobus::supervision by{.feedback = servobus::milliseconds(20),
+                             .command_timeout = servobus::milliseconds(300)};
+    (void)by;
     zlac::axes belts{line_of_belts, 1, belt, belt, servobus::unsupervised};
     (void)belts;
     (void)axle::of({.left = rolling(652'301_um, counts_per_turn{1u << 28}), .right = tyre, .track = 500_mm});

@@ -51,7 +51,7 @@ class late_port {
             const std::uint64_t now = wire_->time_us();
             const std::uint64_t next = held_.empty() || end < held_.front().at ? end : held_.front().at;
             if (next <= now) return;
-            wire_->wait({static_cast<std::uint32_t>(next - now)});
+            wire_->wait(servobus::duration{static_cast<std::uint32_t>(next - now)});
         }
     }
 

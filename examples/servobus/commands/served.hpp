@@ -184,7 +184,8 @@ template <class Model> class served {
 
     // Ten bits a character: 8N1.
     servobus::duration wire_time(std::size_t characters) const {
-        return {static_cast<std::uint32_t>((std::uint64_t{characters} * 10'000'000u + baud_ - 1) / baud_)};
+        return servobus::duration{
+            static_cast<std::uint32_t>((std::uint64_t{characters} * 10'000'000u + baud_ - 1) / baud_)};
     }
 
     servobus::posix::pseudo_terminal port_;

@@ -40,7 +40,7 @@ constexpr errc connect_to_first(const Address* addresses, duration within, Clock
     const instant end = now() + within;
     errc why = errc::port_lost;
     for (const Address* a = addresses; a != nullptr && why != errc::ok; a = a->ai_next, --left)
-        why = connect_to(*a, {time_left(now(), end).us / left});
+        why = connect_to(*a, duration{time_left(now(), end).us / left});
     return why;
 }
 

@@ -185,7 +185,7 @@ struct rtu_timing {
     static constexpr std::uint32_t lowest_baud = 600;
 
     constexpr duration wire_time(std::size_t characters) const {
-        return {static_cast<std::uint32_t>(characters) * character};
+        return duration{static_cast<std::uint32_t>(characters) * character};
     }
     /// The shortest gap that always ends a frame in this mode.
     constexpr duration visible_gap() const {

@@ -311,7 +311,7 @@ template <unit U, std::integral Rep = std::int32_t> class quantity {
         requires(detail::same_kind(U, detail::of_durations)) { // NOLINT: likewise
         constexpr detail::ratio r = detail::conversion(U, detail::of_durations);
         static_assert(r.denominator == 1, "a duration is a whole number of microseconds");
-        return {detail::saturated<std::uint32_t>(detail::scaled<r.numerator>(count_))};
+        return duration{detail::saturated<std::uint32_t>(detail::scaled<r.numerator>(count_))};
     }
 
     /// The count of `U`; for a value read from a register, its raw value.

@@ -155,8 +155,8 @@ TEST_CASE("G19, G25, G28: a plan's times are those of its frames and gaps, to th
 namespace figures {
 constexpr std::uint32_t silent = 6000 + 9168 + 50'000 + 150'000; // a read without a response
 constexpr std::uint32_t silent_drive = 4011 + 9168 + 50'000 + 150'000;
-constexpr auto retrying = two_with<quick>({.retry_every = {silent}});
-constexpr auto retrying_later = two_with<quick>({.retry_every = {silent + 1}});
+constexpr auto retrying = two_with<quick>({.retry_every = duration{silent}});
+constexpr auto retrying_later = two_with<quick>({.retry_every = duration{silent + 1}});
 
 // Of a drive at 9600 Bd whose image is one word, that is commanded and has a read.
 consteval auto polled_with(back_off rules, duration commands) {

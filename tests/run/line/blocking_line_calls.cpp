@@ -114,7 +114,7 @@ TEST_CASE_TEMPLATE("G25: a stop waits for its node's gap and for no quarantine, 
             r.port.device = answering(500);
             REQUIRE(r.ask(write_one) == errc::ok);
             const std::uint64_t waited = r.port.frames.back().begin - sounded;
-            const std::uint64_t gap = longer_of(milliseconds(gap_ms), {S::timing.t3_5}).us;
+            const std::uint64_t gap = longer_of(milliseconds(gap_ms), duration{S::timing.t3_5}).us;
             CHECK(waited + 10 >= gap);
             CHECK(waited <= gap + S::timing.character + 100);
             r.gaps = {};

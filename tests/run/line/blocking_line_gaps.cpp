@@ -185,7 +185,7 @@ TEST_CASE_TEMPLATE(
             CAPTURE(pause);
             rig<S> r{answering(S::timing.t3_5)};
             r.gaps.gap = microseconds(gap);
-            const std::uint64_t silence = longer_of({S::timing.t3_5}, r.gaps.gap).us;
+            const std::uint64_t silence = longer_of(duration{S::timing.t3_5}, r.gaps.gap).us;
             const std::uint64_t cycle = 15u * S::timing.character + S::timing.t3_5 + silence;
             for (int i = 0; i < 9; ++i) {
                 r.port.time += pause;

@@ -66,13 +66,13 @@ struct outcome {
 constexpr outcome waited(early_wake_up& early, machine& on, std::uint32_t asked, std::uint32_t due = 0) {
     const std::uint32_t begun = on.time;
     on.asked = on.polled = on.polls = 0;
-    const bool has_byte = early.wait(on, {asked}, {due}) != 0;
+    const bool has_byte = early.wait(on, duration{asked}, duration{due}) != 0;
     return {on.time - begun, on.asked, on.polled, has_byte};
 }
 
 constexpr early_wake_up used_to(std::uint32_t late) {
     early_wake_up early;
-    for (int i = 0; i < 200; ++i) early.note({100}, {100 + late});
+    for (int i = 0; i < 200; ++i) early.note(duration{100}, duration{100 + late});
     return early;
 }
 constexpr std::uint32_t longest_poll = early_wake_up::longest_poll.us;
@@ -122,9 +122,9 @@ TEST_CASE("the pieces of every wait lie within it, and none polls longer than a 
                 return p.slept <= p.polled_until && p.polled_until <= duration{asked} &&
                        p.polled_until - p.slept <= early_wake_up::longest_poll;
             };
-            REQUIRE(is_sound(early.to_end_of({asked})));
+            REQUIRE(is_sound(early.to_end_of(duration{asked})));
             for (std::uint32_t due = 1; due < asked; due += 1 + due / 5)
-                REQUIRE(is_sound(early.to_last_byte({asked}, {due})));
+                REQUIRE(is_sound(early.to_last_byte(duration{asked}, duration{due})));
         }
     }
 }
@@ -167,10 +167,10 @@ TEST_CASE("a byte ends a wait: as late as the system is while it sleeps, at once
 
 TEST_CASE("the lateness that it goes by follows a later machine in 6 wake-ups and an earlier one in 64") {
     early_wake_up early = used_to(60);
-    for (int i = 0; i < 6; ++i) early.note({1000}, {1500});
+    for (int i = 0; i < 6; ++i) early.note(duration{1000}, duration{1500});
     CHECK(early.lateness() >= microseconds(490));
     CHECK(early.lateness() <= microseconds(500));
-    for (int i = 0; i < 64; ++i) early.note({1000}, {1060});
+    for (int i = 0; i < 64; ++i) early.note(duration{1000}, duration{1060});
     CHECK(early.lateness() >= microseconds(60));
     CHECK(early.lateness() <= microseconds(70));
 }
@@ -178,7 +178,7 @@ TEST_CASE("the lateness that it goes by follows a later machine in 6 wake-ups an
 TEST_CASE("a single outlier raises the lateness by half of the longest poll at most, and is forgotten") {
     for (std::uint32_t late = 100; late <= early_wake_up::latest.us; ++late) {
         early_wake_up early = used_to(60);
-        early.note({1000}, {1000 + late});
+        early.note(duration{1000}, duration{1000 + late});
         REQUIRE(early.lateness() <= microseconds(60) + microseconds(longest_poll / 2));
         const std::uint32_t raised = early.lateness().us - 60;
         REQUIRE(raised != 0);
@@ -193,7 +193,7 @@ TEST_CASE("a single outlier raises the lateness by half of the longest poll at m
     }
     for (const std::uint32_t late : {2001u, 20'000u, 0x7000'0000u}) {
         early_wake_up early = used_to(60);
-        early.note({1000}, {1000 + late});
+        early.note(duration{1000}, duration{1000 + late});
         CHECK(early.lateness() == microseconds(60));
     }
 }
@@ -206,7 +206,7 @@ TEST_CASE("where wake-ups vary, about a quarter of them are later than expected"
     for (int i = 0; i < all; ++i) {
         const std::uint32_t late = 100 + random.below(101);
         if (i >= 100 && late > early.lateness().us) ++later;
-        early.note({1000}, {1000 + late});
+        early.note(duration{1000}, duration{1000 + late});
     }
     CHECK(later > all / 5);
     CHECK(later < all / 3);
@@ -214,9 +214,9 @@ TEST_CASE("where wake-ups vary, about a quarter of them are later than expected"
 
 TEST_CASE("a sleep that a byte or a signal has ended, or in which the clock went back, tells no lateness") {
     early_wake_up early = used_to(60);
-    early.note({1000}, {999});
-    early.note({1000}, {0});
-    early.note({1000}, duration{} - microseconds(1));
+    early.note(duration{1000}, duration{999});
+    early.note(duration{1000}, duration{0});
+    early.note(duration{1000}, duration{} - microseconds(1));
     CHECK(early.lateness() == microseconds(60));
     machine on{.late = 900, .byte_in = 500};
     CHECK(waited(early, on, 1750).has_byte);
@@ -249,7 +249,7 @@ TEST_CASE("G29: a wait ends where the clock stands still or jumps") {
         early_wake_up early = used_to(1000);
         jumping on{};
         on.by = by;
-        (void)early.wait(on, {900}, {});
+        (void)early.wait(on, duration{900}, {});
         CHECK(on.polls <= 1);
         CHECK(on.asked == 0);
     }

@@ -92,7 +92,7 @@ struct rig {
     std::uint64_t time_of_wait(std::uint32_t us) {
         kernel.sleeps = kernel.polls = 0;
         const std::uint64_t begun = kernel.time_us;
-        port.wait({us});
+        port.wait(duration{us});
         return kernel.time_us - begun;
     }
 };
@@ -185,7 +185,7 @@ TEST_CASE("on the real kernel a port that wakes early loses no byte, and no wait
     for (int i = 0; i < 20; ++i) {
         for (const std::uint32_t us : {50u, 300u, 1750u}) {
             const instant start = r.port.now();
-            r.port.wait({us});
+            r.port.wait(duration{us});
             CHECK(since(start, r.port.now()) >= microseconds(us));
         }
         REQUIRE(r.port.send(all).value_or(0) == 256);
