@@ -17,14 +17,21 @@
 
 namespace servobus {
 
-/// How a place is reached. Made without anything it is the profile that the drive holds.
+/// How a place is reached. Made without anything it is the profile that the drive holds; otherwise top speed and both ramps
+/// are above 0, and the start is not above the top: `bad_argument`.
 struct axis_profile {
     micrometres_per_second top{}; ///< above 0, to the nearest count of the drive's speed
     quantity<unit{measure::millisecond}> acceleration{}; ///< from standstill to `top`
     quantity<unit{measure::millisecond}> deceleration{}; ///< from `top` to standstill
     micrometres_per_second start{};                      ///< at which a stepper begins
 
-    constexpr bool is_stored() const { return top.count() == 0; }
+    constexpr bool is_stored() const { return *this == axis_profile{}; }
+    constexpr bool is_valid() const {
+        const bool has_ramps = acceleration.count() > 0 && deceleration.count() > 0;
+        return is_stored() || (top.count() > 0 && has_ramps && start.count() >= 0 && start <= top);
+    }
+
+    friend constexpr bool operator==(const axis_profile&, const axis_profile&) = default;
 };
 
 /// Moves to a place, to the nearest count.
@@ -52,7 +59,7 @@ struct hold_at {
     duration every;
 };
 
-/// Limits the travel by software. Errors: `bad_argument` if `lowest` is not below `highest`.
+/// Limits the travel by software. From the factory a YAKO frees its motor beyond a limit: `yako::set_over_travel_stop`. Errors: `bad_argument` if `lowest` is not below `highest`.
 struct travel_limits {
     micrometres lowest;
     micrometres highest;

@@ -46,7 +46,7 @@ template <class Drive> class axis_facade : public Drive {
     /// As the drive's own, also for the commands of an axis.
     template <class Wanted> routine_status run(const Wanted& wanted) {
         if constexpr (detail::axis_planned<Wanted, settings>) {
-            return Drive::run(of_axis(wanted));
+            return Drive::run(with_geometry(wanted));
         } else {
             return Drive::run(wanted);
         }
@@ -57,7 +57,7 @@ template <class Drive> class axis_facade : public Drive {
     }
     template <class Wanted> [[nodiscard]] constexpr errc begin(const Wanted& wanted) {
         if constexpr (detail::axis_planned<Wanted, settings>) {
-            return Drive::begin(of_axis(wanted));
+            return Drive::begin(with_geometry(wanted));
         } else {
             return Drive::begin(wanted);
         }
@@ -90,17 +90,19 @@ template <class Drive> class axis_facade : public Drive {
         return geometry().speed_of(seen->speed);
     }
 
+    /// A command of an axis with this one, as `why` asks for it.
+    template <class Wanted>
+    requires detail::axis_planned<Wanted, settings>
+    constexpr detail::command_of_axis<Wanted> with_geometry(const Wanted& wanted) const {
+        return {this->model().place(), wanted};
+    }
+
   protected:
     template <class... Arguments>
     constexpr explicit axis_facade(const axis& of, Arguments&&... arguments) : Drive{arguments...} {
         this->model().place() = axis_place{of};
     }
     ~axis_facade() = default;
-
-  private:
-    template <class Wanted> constexpr detail::command_of_axis<Wanted> of_axis(const Wanted& wanted) const {
-        return {this->model().place(), wanted};
-    }
 };
 
 } // namespace servobus

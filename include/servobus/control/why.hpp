@@ -175,6 +175,16 @@ class possible_states {
     std::uint16_t here_[each_condition::most]{}; // in the drive's state
 };
 
+// A command in the machine's units lacks its geometry, which the facade has.
+template <class Drive, class Command>
+constexpr decltype(auto) made_complete(const Drive& drive, const Command& wanted) {
+    if constexpr (requires { drive.with_geometry(wanted); }) {
+        return drive.with_geometry(wanted);
+    } else {
+        return (wanted);
+    }
+}
+
 // The error of what the command's routine reads first, in a device that has a function `permitted` for that.
 template <class Prepared, class Settings>
 constexpr errc error_after(const Prepared& planned, const Settings& known) {
@@ -244,8 +254,9 @@ constexpr refusal refusal_of(const Command& wanted, const Settings& known) {
 /// the command has no objection: the drive has refused it, or the facade for a reason of its own, such as another command
 /// under way (`busy`), the stop for a fault (`faulted`), a wait without a move, or a node address or feedback period that
 /// cannot be, or a hold without a command timeout (`bad_argument`).
+/// A command in the machine's units has no list of its arguments: lengths and speeds are its own, registers its drive's.
 template <class Drive, class Command> constexpr refusal why(const Drive& drive, const Command& wanted) {
-    refusal r = commands::refusal_of(wanted, drive.cached());
+    refusal r = commands::refusal_of(detail::made_complete(drive, wanted), drive.cached());
     if (drive.state() == drive_state::faulted && r.error == errc::wrong_state) r.error = errc::faulted;
     if (drive.state() == drive_state::faulted) r.state = drive_state::faulted;
     return r;

@@ -75,7 +75,7 @@ constexpr const char* text(errc e) {
     case errc::ok: return "ok";
     case errc::out_of_range: return "value outside the register's range";
     case errc::inexact: return "value is no whole number of the register's counts";
-    case errc::bad_argument: return "address, index or size that the device does not have";
+    case errc::bad_argument: return "an argument that is not possible";
     case errc::needs_init: return "the drive must be initialised first";
     case errc::needs_word_order: return "the word order is not known";
     case errc::needs_homing: return "the axis must be homed first";

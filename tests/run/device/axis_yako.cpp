@@ -152,10 +152,33 @@ TEST_CASE("bad input: nothing is sent") {
     const std::size_t before = r.requests.size();
     CHECK(r.drive.begin(travel_to{2148_m}) == errc::out_of_range);
     CHECK(r.drive.begin(travel_to{-2148_m}) == errc::out_of_range);
-    CHECK(r.drive.begin(travel_to{1_mm, {.top = 1_um_per_s}}) == errc::out_of_range);
-    CHECK(r.drive.begin(travel_to{1_mm, {.top = 300_mm_per_s}}) == errc::out_of_range); // 3600 r/min
-    CHECK(r.drive.begin(travel_to{1_mm, {.top = 2147_m_per_s}}) == errc::out_of_range);
-    CHECK(r.drive.begin(travel_to{1_mm, {.top = 5_mm_per_s, .acceleration = 2001_ms}}) == errc::out_of_range);
+    CHECK(r.drive.begin(travel_to{1_mm, {.top = 1_um_per_s, .acceleration = 10_ms, .deceleration = 10_ms}}) ==
+          errc::out_of_range);
+    CHECK(
+        r.drive.begin(travel_to{1_mm, {.top = 300_mm_per_s, .acceleration = 10_ms, .deceleration = 10_ms}}) ==
+        errc::out_of_range); // 3600 r/min
+    CHECK(
+        r.drive.begin(travel_to{1_mm, {.top = 2147_m_per_s, .acceleration = 10_ms, .deceleration = 10_ms}}) ==
+        errc::out_of_range);
+    CHECK(
+        r.drive.begin(travel_to{1_mm, {.top = 5_mm_per_s, .acceleration = 2001_ms, .deceleration = 10_ms}}) ==
+        errc::out_of_range);
+    // A profile is whole, or the drive's own: no ramp of 0 ms, and nothing is ignored.
+    const axis_profile wrong[] = {
+        {.top = 50_mm_per_s},
+        {.top = 50_mm_per_s, .acceleration = 200_ms},
+        {.top = 50_mm_per_s, .deceleration = 200_ms},
+        {.acceleration = 200_ms, .deceleration = 200_ms},
+        {.start = 1_mm_per_s},
+        {.top = -50_mm_per_s, .acceleration = 200_ms, .deceleration = 200_ms},
+        {.top = 50_mm_per_s, .acceleration = -200_ms, .deceleration = 200_ms},
+        {.top = 50_mm_per_s, .acceleration = 200_ms, .deceleration = 200_ms, .start = 51_mm_per_s},
+        {.top = 50_mm_per_s, .acceleration = 200_ms, .deceleration = 200_ms, .start = -1_mm_per_s},
+    };
+    for (const axis_profile& by : wrong) {
+        CHECK(r.drive.begin(travel_to{1_mm, by}) == errc::bad_argument);
+        CHECK(r.drive.begin(travel_by{1_mm, by}) == errc::bad_argument);
+    }
     CHECK(r.drive.begin(travel_at{0_mm_per_s}) == errc::out_of_range);
     CHECK(r.drive.begin(travel_at{10_um_per_s}) == errc::out_of_range);
     CHECK(r.drive.begin(servobus::hold_at{10_um_per_s, milliseconds(50)}) == errc::out_of_range);

@@ -126,11 +126,19 @@ template <class Drive> class axis_of_drive {
 
     /// Runs a command of this axis: `travel_to`, `travel_by`, `travel_at`. Waits.
     template <class Wanted> routine_status run(const Wanted& wanted) {
-        return drive_->run(detail::command_of_wheel<Wanted>{wanted, place(), which_});
+        return drive_->run(with_geometry(wanted));
     }
     template <class Wanted> [[nodiscard]] constexpr errc begin(const Wanted& wanted) {
-        return drive_->begin(detail::command_of_wheel<Wanted>{wanted, place(), which_});
+        return drive_->begin(with_geometry(wanted));
     }
+    /// A command with this axis, and what the drive knows: as `why` asks for it.
+    template <class Wanted>
+    constexpr detail::command_of_wheel<Wanted> with_geometry(const Wanted& wanted) const {
+        return {wanted, place(), which_};
+    }
+    constexpr drive_state state() const { return drive_->state(); }
+    constexpr const cached_settings& cached() const { return drive_->cached(); }
+
     /// Runs a move of this axis and waits for its end. Returns how that was; `none` if the move did not begin, as `last` says.
     template <class Move> axis_arrival run(const Move& move, const wait_reached& end) {
         if (!run(move)) return {};
@@ -143,8 +151,9 @@ template <class Drive> class axis_of_drive {
         return {a.how, a.cause, geometry().length_of(missing.count()).value_or(micrometres{})};
     }
 
-    /// Where the axis is, by feedback that is at most `oldest` old; counted from elsewhere after `init`, a restart, a cleared
-    /// position. Errors: as `feedback`.
+    /// Where the axis is from the zero of the feedback (2005h), by feedback that is at most `oldest` old; counted from elsewhere
+    /// after `init`, a restart, a cleared position. `travel_to` counts from the absolute zero (2006h): clear both together.
+    /// Errors: as `feedback`.
     constexpr result<micrometres> position(duration oldest) const {
         const auto seen = drive_->feedback(oldest);
         if (!seen) return seen.error();

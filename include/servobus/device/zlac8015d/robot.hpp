@@ -134,11 +134,11 @@ template <class Line> class robot : public basic_drive<Line, robot_model> {
     using base::run;
     /// Velocity mode: drives both wheels by a twist, rounded to whole counts of their speeds. Above the drive's limit, 2008h,
     /// both slow down by one factor, so that the path is kept. Errors: `wrong_state`, `needs_init`.
-    routine_status run(const twist& wanted) {
-        return base::run(detail::twist_of{this->model().base(), wanted});
-    }
-    [[nodiscard]] constexpr errc begin(const twist& wanted) {
-        return base::begin(detail::twist_of{this->model().base(), wanted});
+    routine_status run(const twist& wanted) { return base::run(with_geometry(wanted)); }
+    [[nodiscard]] constexpr errc begin(const twist& wanted) { return base::begin(with_geometry(wanted)); }
+    /// A twist with this robot's wheels, as `why` asks for it.
+    constexpr detail::twist_of with_geometry(const twist& wanted) const {
+        return {this->model().base(), wanted};
     }
 
     /// Where the robot was at the pose's time, when the request for the last feedback began to leave. It begins at x 0, y 0,
