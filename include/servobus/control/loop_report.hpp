@@ -27,6 +27,7 @@ enum class loop_part : std::uint8_t {
     setpoint,    ///< every period, while motion is allowed
     command,     ///< which the program has begun through the loop
     stop,        ///< which the program has asked for
+    permission, ///< to move, which a fault, a wired stop or a loss has ended; the drive's state and cause say which
 };
 
 constexpr const char* text(loop_part p) {
@@ -38,6 +39,7 @@ constexpr const char* text(loop_part p) {
     case loop_part::setpoint: return "setpoint";
     case loop_part::command: return "command";
     case loop_part::stop: return "stop";
+    case loop_part::permission: return "permission to move";
     }
     return "unknown";
 }

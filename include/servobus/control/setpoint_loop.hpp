@@ -129,7 +129,8 @@ class setpoint_loop {
     // --- What the program is told
 
     /// The last end that was not taken yet; one that is not taken is replaced by the next. Setpoints that succeed are not
-    /// reported. A failure that is repeated is reported once, until it succeeds or something else has ended.
+    /// reported. Where the drive itself has ended the permission to move, that is reported, or that what was under way has
+    /// failed. A failure that is repeated is reported once, until it succeeds or something else has ended.
     constexpr loop_report take_report() { return reports_.take(); }
     constexpr bool is_taken_over() const { return is_taken_over_; }
     /// True while setpoints are begun, and moves can be.
@@ -153,8 +154,15 @@ class setpoint_loop {
         seen_ = drive_->state();
         const bool is_lost = is_taken_over_ && seen_ == drive_state::needs_init;
         if (is_lost) is_taken_over_ = false;
+        if (may_move_ && (seen_ != drive_state::enabled || is_held())) end_motion();
         if (is_lost || (seen_ == drive_state::faulted && before != drive_state::faulted)) withdraw();
-        if (may_move_ && (seen_ != drive_state::enabled || is_held())) withdraw();
+    }
+    constexpr void end_motion() {
+        withdraw();
+        const errc why = seen_ == drive_state::needs_init ? errc::needs_init
+                         : seen_ == drive_state::faulted  ? errc::faulted
+                                                          : errc::wrong_state;
+        (void)reports_.note({.what = loop_part::permission, .how = routine_status{why}});
     }
     constexpr void withdraw() { may_enable_ = may_reset_ = may_move_ = is_set_ = false; }
     constexpr void allow_motion() { may_move_ = is_due_ = true; }

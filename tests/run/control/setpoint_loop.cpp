@@ -419,6 +419,47 @@ TEST_CASE("after a fault motion needs a reset and an enable, each by a consent")
     CHECK_FALSE(t.r.model.enabled());
 }
 
+TEST_CASE("motion that the drive has ended is reported once, at whatever moment that comes") {
+    for (std::uint32_t us = 0; us < 20'000; us += 1000) {
+        rig t;
+        t.enable_and_turn();
+        const std::uint64_t pressed = t.r.wire.time_us() + us;
+        while (t.r.wire.time_us() < pressed) t.turn();
+        t.reports.clear();
+        t.r.model.set_input(true, false);
+        t.go(1000, 30);
+        CHECK_FALSE(t.loop.is_motion_allowed());
+        REQUIRE(t.reports.size() == 1);
+        CHECK(t.reports[0].what == loop_part::permission);
+        CHECK(t.reports[0].how.error() == errc::wrong_state);
+        CHECK(t.r.drive.cause() == stop_cause::input);
+        t.r.model.set_input(false, false);
+        t.loop.enable();
+        t.go(1000, 30);
+        CHECK(t.is_moving());
+        t.r.model.set_input(true, false);
+        t.go(1000, 30);
+        CHECK(t.count(loop_part::permission, errc::wrong_state) == 2);
+        CHECK(t.loop.quick_stop() == errc::ok); // the program's own stop is a `stop`
+        t.go(100);
+        CHECK(t.count(loop_part::permission, errc::wrong_state) == 2);
+        CHECK(t.count(loop_part::stop, errc::ok) == 1);
+    }
+    rig t;
+    t.enable_and_turn();
+    t.reports.clear();
+    t.r.model.raise(z::fault::overcurrent, z::fault::none);
+    t.go(1000, 30);
+    CHECK(t.count(loop_part::permission, errc::faulted) + t.count(loop_part::setpoint, errc::faulted) == 1);
+    CHECK(t.reports.size() == 1);
+    rig u;
+    u.enable_and_turn();
+    u.reports.clear();
+    u.r.model.power_cycle();
+    u.go(300, 30);
+    CHECK(u.count(loop_part::permission, errc::needs_init) + u.count(loop_part::setpoint, errc::needs_init) == 1);
+}
+
 TEST_CASE("G44: after a loss the drive is taken over again, and stays at rest until a consent") {
     rig t;
     t.enable_and_turn();
@@ -754,6 +795,7 @@ TEST_CASE("each part of a loop has a text") {
     CHECK(text(loop_part::enable) == doctest::String("enable"));
     CHECK(text(loop_part::setpoint) == doctest::String("setpoint"));
     CHECK(text(loop_part::command) == doctest::String("command"));
+    CHECK(text(loop_part::permission) == doctest::String("permission to move"));
     CHECK(text(loop_part::stop) == doctest::String("stop"));
     CHECK(text(static_cast<loop_part>(99)) == doctest::String("unknown"));
 }
