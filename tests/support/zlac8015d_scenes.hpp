@@ -196,7 +196,6 @@ const row commands[] = {
     {"on_input_stop",        take,                                        command_to(on_input_stop{static_cast<input_stop_action>(1)}), has<0x2021, 1>},
     {"park",                 take,                                        command_to(park{static_cast<off_on>(1)}),       has<0x200C, 1>},
     {"clear_position",       take,                                        command_to(clear_position{}),                   always},
-    {"clear_absolute_zero",  take,                                        command_to(clear_absolute_zero{}),              always},
     {"save",                 take,                                        command_to(save{}),                             is_kept},
     {"factory_reset",        take,                                        command_to(factory_reset{sole_drive_on_the_line{}}), has_pair<0x2080, 500, 500>},
     {"watchdog",             take,                                        command_to(watchdog{700 * millisecond}),        has<0x2000, 700>},

@@ -223,7 +223,7 @@ TEST_CASE("ramps, parking, watchdog, position clearing, save and factory reset w
     REQUIRE(r.drive.read());
     CHECK(r.drive.feedback(milliseconds(2000))->left_position == 100 * count);
     CHECK(r.drive.feedback(milliseconds(2000))->right_position == 0 * count);
-    REQUIRE(r.drive.run(clear_absolute_zero{}));
+    REQUIRE(r.drive.run(clear_position{}));
     CHECK(r.drive.run(save{}).error() == errc::wrong_state); // enabled
     CHECK(r.drive.run(factory_reset{sole_drive_on_the_line{}}).error() == errc::wrong_state);
     REQUIRE(r.drive.run(disable{}));

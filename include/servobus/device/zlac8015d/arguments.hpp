@@ -132,9 +132,6 @@ constexpr auto arguments(const park& c, const cached_settings&) {
 constexpr auto arguments(const clear_position& c, const cached_settings&) {
     return argument_list{commands::argument<clear_feedback_position>(c.of)};
 }
-constexpr auto arguments(const clear_absolute_zero& c, const cached_settings&) {
-    return argument_list{commands::argument<clear_absolute_position>(c.of)};
-}
 constexpr auto arguments(const watchdog& c, const cached_settings&) {
     return argument_list{commands::argument<host_timeout>(c.limit).or_if(c.is_zero_by_name)};
 }

@@ -151,9 +151,8 @@ template <class Drive> class axis_of_drive {
         return {a.how, a.cause, geometry().length_of(missing.count()).value_or(micrometres{})};
     }
 
-    /// Where the axis is from the zero of the feedback (2005h), by feedback that is at most `oldest` old; counted from elsewhere
-    /// after `init`, a restart, a cleared position. `travel_to` counts from the absolute zero (2006h): clear both together.
-    /// Errors: as `feedback`.
+    /// Where the axis is, by feedback that is at most `oldest` old; counted from elsewhere after `init`, a restart,
+    /// `clear_position`. Errors: as `feedback`.
     constexpr result<micrometres> position(duration oldest) const {
         const auto seen = drive_->feedback(oldest);
         if (!seen) return seen.error();

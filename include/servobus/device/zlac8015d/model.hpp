@@ -148,7 +148,6 @@ class model {
         switch (c.then) {
         case effect::initialised:
             goals_ = 0; // a restart may have changed the positions
-            absolute_zero_[0] = absolute_zero_[1] = 0;
             known = {.state = drive_state::disabled,
                      .resolution = words[routines::resolution_word],
                      .max_speed = words[routines::max_speed_word],
@@ -174,10 +173,7 @@ class model {
         case effect::resolution_set: known.resolution = c.arguments[0]; break;
         case effect::forgotten: known.state = drive_state::needs_init; break;
         case effect::positions_compared: motion_ = compared(words); break;
-        case effect::positions_cleared:
-            goals_ = 0;
-            keep_zero(c, e);
-            break;
+        case effect::positions_cleared: goals_ = 0; break;
         case effect::moved: keep_goals(c, words, known); break;
         case effect::end:
         case effect::none:
@@ -275,23 +271,10 @@ class model {
         const std::uint16_t* target = c.arguments.words; // the first wheel that moves
         for (std::size_t i = 0; i < 2; ++i) {
             if ((wheel & (1u << i)) == 0) continue;
-            goal_[i] = pair(target) +
-                       (is_relative ? pair(words.data() + routines::before_word + 2 * i) : absolute_zero_[i]);
+            goal_[i] = pair(target) + (is_relative ? pair(words.data() + routines::before_word + 2 * i) : 0u);
             target += 2;
         }
         goals_ = static_cast<std::uint8_t>(goals_ | wheel);
-    }
-
-    // 2005h moves the zero of the feedback, 2006h that of the absolute mode.
-    constexpr void keep_zero(const prepared_command& c, const ending& e) {
-        const bool is_absolute = e.steps.data() == routine{routines::clear_absolute}.data();
-        const std::uint16_t* w =
-            e.words.data() + (is_absolute ? routines::after_word : routines::before_word);
-        for (std::size_t i = 0; i < 2; ++i) {
-            if ((c.arguments[0] & (1u << i)) == 0) continue;
-            const u32 there = pair(w + 2 * i);
-            absolute_zero_[i] = is_absolute ? there : absolute_zero_[i] - there;
-        }
     }
 
     static constexpr motion_check compared(slice<const std::uint16_t> words) {
@@ -305,7 +288,6 @@ class model {
     }
 
     u32 goal_[2]{};
-    u32 absolute_zero_[2]{}; // as positions of the feedback
     std::uint8_t goals_ = 0; // the wheels that have one
     motion_check motion_ = motion_check::not_asked;
 };

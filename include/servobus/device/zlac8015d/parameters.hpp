@@ -103,29 +103,18 @@ struct park {
     }
 };
 
-/// Sets the position feedback of these wheels to zero, 2005h; at standstill. The zero of the absolute mode is taken to stay
-/// where it is: what the drive does then is not known, and the manual is silent.
+/// Makes the present places of these wheels zero, at standstill: of the feedback, 2005h, and of the absolute mode, 2006h, in
+/// one frame. Where only one of them was set, by a client or another program, absolute moves end `stopped_short` though the
+/// wheels are at their targets.
 struct clear_position {
     wheels of = wheels::both;
     constexpr prepared_command plan(const cached_settings& cached) const {
-        return {.steps = routines::clear_feedback,
-                .arguments = {static_cast<std::uint16_t>(of)},
+        const auto which = static_cast<std::uint16_t>(of);
+        return {.steps = routines::clear_positions,
+                .arguments = {which, which},
                 .then = effect::positions_cleared,
                 .refusal = detail::first_error(detail::needs_init_done(cached),
                                                detail::in_range<clear_feedback_position>(of))};
-    }
-};
-
-/// Makes the present place the zero of the absolute mode, 2006h; at standstill. The feedback keeps its own, 2005h; `init`
-/// takes both to be the same, so a program that has set one of them runs both or this one again after it.
-struct clear_absolute_zero {
-    wheels of = wheels::both;
-    constexpr prepared_command plan(const cached_settings& cached) const {
-        return {.steps = routines::clear_absolute,
-                .arguments = {static_cast<std::uint16_t>(of)},
-                .then = effect::positions_cleared,
-                .refusal = detail::first_error(detail::needs_init_done(cached),
-                                               detail::in_range<clear_absolute_position>(of))};
     }
 };
 

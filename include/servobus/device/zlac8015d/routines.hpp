@@ -198,10 +198,8 @@ inline constexpr step input_stop[]      = {steps::write_arguments<zlac8015d::inp
 inline constexpr step quick_stop_by[]   = {steps::write_arguments<quick_stop_option_code>()};
 inline constexpr step parking[]         = {steps::write_arguments<parking_mode>()};
 
-// The feedback and the absolute mode count from zeros of their own: it is read how far they are apart.
-inline constexpr step clear_feedback[] = {must_stand, fetch_state, steps::write_arguments<clear_feedback_position>()};
-inline constexpr step clear_absolute[] = {must_stand, steps::write_arguments<clear_absolute_position>(),
-                                          steps::fetch<left_actual_position, right_actual_position>(after_word)};
+inline constexpr step clear_positions[] = {
+    must_stand, steps::write_arguments<clear_feedback_position, clear_absolute_position>()};
 
 /// Saving and resetting wear the EEPROM, so each goes out once. What the drive keeps is marked RW/S, or it is
 /// all that can be written [errata B11]: without a mode a restart is found by the mode either way.
