@@ -107,8 +107,8 @@ class differential {
             both.right = limited(both.right, right, most, limit);
             both.is_limited = true;
         } else {
-            both.left <<= halved;
-            both.right <<= halved;
+            both.left *= std::int32_t{1} << halved;
+            both.right *= std::int32_t{1} << halved;
         }
         return both;
     }
