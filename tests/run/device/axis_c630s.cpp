@@ -26,8 +26,9 @@ constexpr axis_profile quick{.top = 50_mm_per_s, .acceleration = 50_ms, .deceler
 struct rig : simulated::simulated_c630s {
     c630s::axis_drive<line_type> drive;
 
-    explicit rig(const axis& of, c630s::encoder_counts encoder = c630s::encoder_counts::unknown)
-        : drive{line, 1, of, {}, encoder} {}
+    explicit rig(const axis& of, c630s::encoder_counts encoder = c630s::encoder_counts::unknown,
+                 const optional_supervision& by = {})
+        : drive{line, 1, of, by, encoder} {}
     /// Sets up, and enables it for places or ways.
     void enable_for(c630s::displacement_type ways) {
         REQUIRE(drive.run(init{}));
@@ -64,11 +65,30 @@ TEST_CASE("an axis goes to places by its own segment, and says where it is") {
     r.enable_for(places);
     CHECK(r.drive.run(travel_to{12.5_mm, quick}, wait_reached{}).how == arrival_state::reached);
     CHECK(r.units() == 25'000);
+    CHECK(r.model.peek(servobus::at<c630s::position_segment_wait_times, 15>.address) == 0);
     CHECK(r.off(12.5_mm) <= 1);
     CHECK(r.drive.run(travel_to{-0.4_mm, quick}, wait_reached{}).how == arrival_state::reached);
     CHECK(r.units() == -800);
     CHECK(r.off(-0.4_mm) <= 1);
     CHECK(r.drive.begin(travel_by{1_mm, quick}) == errc::wrong_state);
+}
+
+TEST_CASE("where an axis is follows from its position only, whichever block is read") {
+    rig r{ram, c630s::encoder_counts::unknown, {.feedback = milliseconds(20)}};
+    r.enable_for(places);
+    REQUIRE(r.drive.run(travel_to{12.5_mm, quick}, wait_reached{}).how == arrival_state::reached);
+    const std::uint64_t end = r.wire.time_us() + 300'000;
+    std::size_t looks = 0;
+    while (r.wire.time_us() < end) {
+        const duration idle = r.drive.step();
+        r.wire.wait(idle.us == 0 || idle.us > 200 ? microseconds(200) : idle);
+        const result<micrometres> there = r.drive.position(milliseconds(1000));
+        if (!there) continue;
+        ++looks;
+        const std::int64_t d = there->count() - 12'500;
+        CHECK(d * d <= 1);
+    }
+    CHECK(looks > 100);
 }
 
 TEST_CASE("a mirrored axis, by segments that were set before") {
@@ -174,6 +194,33 @@ TEST_CASE("a stop between setting a segment and starting it: it is not started")
         REQUIRE(r.drive.run(c630s::enable_in{c630s::control_mode::position}));
     }
     CHECK(between > 20);
+}
+
+TEST_CASE("a way that was set and not started leaves no rest") {
+    rig r{third};
+    r.enable_for(ways);
+    REQUIRE(r.drive.run(travel_by{100_um, quick}, wait_reached{}).how == arrival_state::reached);
+    const auto set = [&] {
+        return r.model.peek(servobus::at<c630s::position_segment_displacements, 15>.address);
+    };
+    CHECK(set() == 333);
+    std::size_t between = 0;
+    for (int turns = 1; turns < 400; ++turns) {
+        const std::int64_t was = r.units();
+        REQUIRE(r.drive.begin(travel_by{100_um, quick}) == errc::ok);
+        for (int i = 0; i < turns && !r.drive.is_idle(); ++i) {
+            const duration idle = r.drive.step();
+            r.wire.wait(idle.us == 0 || idle.us > 200 ? microseconds(200) : idle);
+        }
+        REQUIRE(r.drive.run(disable{}));
+        r.wire.pass(milliseconds(300));
+        if (r.units() != was) break;
+        REQUIRE(r.drive.run(c630s::enable_in{c630s::control_mode::position}));
+        if (set() == 333 && between == 0) continue;
+        ++between;
+        CHECK(set() == 334); // a third was open, each time
+    }
+    CHECK(between > 3);
 }
 
 TEST_CASE("a drive whose reference units are worth something else is not taken over") {
