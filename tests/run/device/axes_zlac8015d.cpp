@@ -67,6 +67,20 @@ TEST_CASE("each axis goes to its places") {
     CHECK(r.belts.left().begin(travel_by{1_mm}) == errc::wrong_state);
 }
 
+TEST_CASE("what each axis misses is its own") {
+    rig r;
+    r.enable_for(operating_mode::relative_position);
+    REQUIRE(r.belts.left().run(travel_by{10_mm}, wait_reached{}).how == arrival_state::reached);
+    REQUIRE(r.belts.right().begin(travel_by{900_mm}) == errc::ok);
+    while (!r.belts.is_idle()) r.wire.wait(r.belts.step());
+    REQUIRE(r.belts.read());
+    const micrometres left = r.belts.left().arrival().missing, right = r.belts.right().arrival().missing;
+    CHECK(left.count() > -1000);
+    CHECK(left.count() < 1000);
+    CHECK(right.count() > 800'000);
+    CHECK(right.count() <= 900'000);
+}
+
 TEST_CASE("each axis has its speed, to the nearest count") {
     rig r;
     r.enable_for(operating_mode::velocity);
@@ -99,6 +113,7 @@ TEST_CASE("G42: an encoder that counts otherwise than the program says: not take
     CHECK(r.belts.run(init{}).error() == errc::unexpected_value);
     CHECK(r.belts.state() == drive_state::needs_init);
     CHECK(r.belts.left().position(milliseconds(1000)).error() == errc::needs_init);
+    CHECK(r.belts.left().speed(milliseconds(1000)).error() == errc::needs_init);
 }
 
 } // namespace axes_zlac8015d_tests
