@@ -156,6 +156,8 @@ struct sensor {
 };
 static_assert(settings_on_one_line(node<sensor>{9}, lift, press).baud == 19'200);
 static_assert(settings_on_one_line(node<sensor>{9}, lift, press).format == e81);
+static_assert(settings_on_one_line(press, lift, node<sensor>{9}).baud == 19'200, "in any order");
+static_assert(settings_on_one_line(lift, node<sensor>{9}).format == e81);
 static_assert(!settings_on_one_line(node<sensor>{9}, lift).changes[0]);
 struct winch {
     static constexpr profile facts{.name = "winch", .baud = 9600};
