@@ -94,6 +94,20 @@ TEST_CASE("start keeps the pose, restart says that it is not continuous") {
     CHECK(o.pose().y_mm() == 163_mm);
 }
 
+TEST_CASE("a pose that is set drops what is left of the steps before") {
+    for (uint32_t i = 1; i < 50; ++i) {
+        CAPTURE(i);
+        odometry after_steps = started();
+        REQUIRE(after_steps.update(i, 0u - i, {1}));
+        after_steps.set(plane_pose{});
+        odometry at_once{base};
+        at_once.start(i, 0u - i);
+        REQUIRE(after_steps.update(i + 1, 0u - i - 1, {2}));
+        REQUIRE(at_once.update(i + 1, 0u - i - 1, {2}));
+        CHECK(after_steps.pose().x_fine == at_once.pose().x_fine);
+    }
+}
+
 TEST_CASE("the heading depends on the net counts only, whatever the way") {
     std::mt19937 random{47};
     both steps{uneven};
