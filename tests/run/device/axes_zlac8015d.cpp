@@ -65,6 +65,19 @@ TEST_CASE("each axis goes to its places") {
     CHECK(r.model.left().target == -2048);
     CHECK(r.model.right().target == -4096);
     CHECK(r.belts.left().begin(travel_by{1_mm}) == errc::wrong_state);
+    CHECK(r.belts.left().run(travel_to{2148_m}, wait_reached{}).how == arrival_state::none);
+}
+
+TEST_CASE("the rest of each axis is kept over other commands") {
+    rig r{belt, belt};
+    r.enable_for(operating_mode::relative_position);
+    for (int i = 1; i <= 6; ++i) {
+        REQUIRE(r.belts.right().run(travel_by{10_mm}, wait_reached{}).how == arrival_state::reached);
+        REQUIRE(r.belts.read());
+        REQUIRE(r.belts.left().run(travel_by{10_mm}, wait_reached{}).how == arrival_state::reached);
+        CHECK(r.model.left().target == (i * 10 * 4096 * 2 / 120 + 1) / 2); // 341.3 counts
+        CHECK(r.model.right().target == r.model.left().target);
+    }
 }
 
 TEST_CASE("what each axis misses is its own") {

@@ -132,6 +132,15 @@ TEST_CASE("the rest is kept over a halt, and dropped where the position is decla
     CHECK(r.place() == 201_um); // 67 pulses
 }
 
+TEST_CASE("a way that is refused while the motor moves leaves no rest") {
+    ready<closed> r{third};
+    REQUIRE(r.drive.run(travel_by{10_mm, quick})); // 3333.3 pulses
+    CHECK(r.drive.run(travel_by{100_um, quick}).error() == errc::busy);
+    REQUIRE(r.drive.run(wait_reached{}));
+    REQUIRE(r.by({100_um, quick}) == arrival_state::reached);
+    CHECK(r.pulses() == 3367);
+}
+
 TEST_CASE("a way that a halt has cut before its start leaves no rest") {
     std::size_t cut = 0;
     for (int steps = 1; steps < 40; ++steps) {
@@ -190,6 +199,7 @@ TEST_CASE("bad input: nothing is sent") {
     CHECK(r.requests.size() == before);
     CHECK(r.to({1_mm, quick}) == arrival_state::reached);
     CHECK(r.pulses() == 200);
+    CHECK(r.to({2148_m, quick}) == arrival_state::none); // not that of the move before
 }
 
 TEST_CASE("an axis moves while a button is held") {

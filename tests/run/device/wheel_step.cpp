@@ -44,6 +44,8 @@ constexpr bool comes_from_zero(std::int32_t farthest, speeds at) {
 
 } // namespace
 
+static_assert(zlac8015d::wheel_image{}.position == 0 && zlac8015d::wheel_image{}.speed == 0);
+
 TEST_CASE("a wheel at rest trembles by 5 counts") {
     constexpr speeds rest{0, 0};
     static_assert(is_even(-5, 5, rest) && is_steady(-5, 5, rest) && comes_from_zero(5, rest));
