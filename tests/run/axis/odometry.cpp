@@ -94,6 +94,16 @@ TEST_CASE("start keeps the pose, restart says that it is not continuous") {
     CHECK(o.pose().y_mm() == 163_mm);
 }
 
+TEST_CASE("a way that is known to be an arc is added, however long it took") {
+    for (const bool is_known : {false, true}) {
+        odometry o = started();
+        constexpr instant late{600'000};
+        if (is_known) o.expect_arc(late);
+        CHECK(o.update(4096, 0u - 2048, late) == is_known); // 122 mm, 0.16 rad
+        CHECK((o.pose().x() > 100_mm) == is_known);
+    }
+}
+
 TEST_CASE("a pose that is set drops what is left of the steps before") {
     for (uint32_t i = 1; i < 50; ++i) {
         CAPTURE(i);
