@@ -66,6 +66,8 @@ constexpr axle of_fine_counts = axle::of({.left = rolling(100_mm, counts_per_tur
                                           .right = rolling(100.1_mm, counts_per_turn{1u << 23}),
                                           .track = 15.9_m});
 static_assert(of_fine_counts.ratios().most_counts == 1u << 20);
+constexpr feed finer = rolling(652.3_mm, counts_per_turn{120'000}); // 1.53 million counts in 8.3 m
+static_assert(axle::of({.left = finer, .right = finer, .track = 500_mm}).ratios().most_counts == 1u << 20);
 
 template <class Number> bool is_nearest(Number integer, long double exact) {
     // A double of 53 bits is exact enough for all but the last bits.
