@@ -43,6 +43,7 @@ static_assert(round.speed_counts_of_um_per_s(units::r_per_min)->nearest(1'000'00
 static_assert(round.speed_counts_of_um_per_s(10 * unit{measure::r_per_min})->nearest(1'000'000).value() ==
               10);
 static_assert(round.speed_counts_of_um_per_s(units::r_per_min / 10)->nearest(1'000'000).value() == 1000);
+static_assert(round.um_per_s_of_speed_count(10 * unit{measure::r_per_min})->nearest(10).value() == 1'000'000);
 static_assert(rolling(600_mm, counts_per_turn{16384}, gear_ratio{3, 1})
                   .speed_counts_of_um_per_s(units::r_per_min)
                   ->nearest(1'000'000)
