@@ -20,10 +20,10 @@ ROOT = HERE.parent.parent
 # The register tables, the simulators and the hosted parts have tests of another kind.
 ROOMS = ("core", "modbus", "line", "client", "server", "control", "bus", "explain", "axis")
 REGISTER_HEADERS = ("block", "coil_value", "register_value", "table_readings", "format", "wire", "unit")
-REGISTER_HEADERS += ("catalogue", "profile")
+REGISTER_HEADERS += ("catalogue", "profile", "line_choices")
 # Of each device what its facade is made of.
 FACADE_HEADERS = """basic_drive drive model prepared_command commands routines setting_routines set_up_progress moves
-motion feedback""".split()
+motion feedback hold axis_drive axes robot wheel_step counted_model""".split()
 ENOUGH_PERCENT = 95
 
 

@@ -203,6 +203,11 @@ TEST_CASE("two wheels of run-time numbers are as those of constants") {
     REQUIRE(fine);
     CHECK(with(*fine, *r, nm(499'999'000)) == errc::out_of_range);
     CHECK(with(*l, *fine, nm(499'999'000)) == errc::out_of_range);
+    // The axle itself refuses it: odometry needs no differential.
+    CHECK(axle::checked({.left = *fine, .right = *r, .track = nm(499'999'000)}).error() ==
+          errc::out_of_range);
+    CHECK(axle::checked({.left = *l, .right = *fine, .track = nm(499'999'000)}).error() ==
+          errc::out_of_range);
     // A turn of the motor travels less than 10 um, or more than 4.3 m.
     const result<feed> large = feed::checked(nm(2'150'000'000), counts_per_turn{4096}, gear_ratio{1, 2});
     const result<feed> larger = feed::checked(nm(2'150'000'001), counts_per_turn{4096}, gear_ratio{1, 2});

@@ -19,6 +19,7 @@ using namespace servobus::literals;
 namespace {
 constexpr auto whole = axis::of(lead(1_mm, counts_per_turn{1000})); // a count is a um
 constexpr auto turned = axis::of(mirrored(lead(1_mm, counts_per_turn{1000})));
+constexpr auto thirds = axis::of(lead(1_mm, counts_per_turn{3000}));
 constexpr auto coarse = axis::of(rolling(4_m, counts_per_turn{1000})); // a count is 4 mm
 
 constexpr result<std::int32_t> planned(const axis& of, micrometres way) {
@@ -67,6 +68,10 @@ TEST_CASE("a position goes on over its wrap, and begins anew in another epoch") 
     axis_place mirrored{turned};
     mirrored.follow(0xFFFF'FFFB, 5);
     CHECK(mirrored.length() == 5_um);
+    axis_place fine{thirds};
+    fine.follow(1, 5);
+    fine.follow(1, 6);
+    CHECK(fine.length() == 0_um); // the third of before is not added to this one
 }
 
 TEST_CASE("feedbacks over a wrap: no micrometre is lost") {

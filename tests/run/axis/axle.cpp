@@ -43,6 +43,7 @@ static_assert(round.speed_counts_of_um_per_s(units::r_per_min)->nearest(1'000'00
 static_assert(round.speed_counts_of_um_per_s(10 * unit{measure::r_per_min})->nearest(1'000'000).value() ==
               10);
 static_assert(round.speed_counts_of_um_per_s(units::r_per_min / 10)->nearest(1'000'000).value() == 1000);
+static_assert(round.um_per_s_of_speed_count(10 * unit{measure::r_per_min})->nearest(10).value() == 1'000'000);
 static_assert(rolling(600_mm, counts_per_turn{16384}, gear_ratio{3, 1})
                   .speed_counts_of_um_per_s(units::r_per_min)
                   ->nearest(1'000'000)
@@ -66,6 +67,8 @@ constexpr axle of_fine_counts = axle::of({.left = rolling(100_mm, counts_per_tur
                                           .right = rolling(100.1_mm, counts_per_turn{1u << 23}),
                                           .track = 15.9_m});
 static_assert(of_fine_counts.ratios().most_counts == 1u << 20);
+constexpr feed finer = rolling(652.3_mm, counts_per_turn{120'000}); // 1.53 million counts in 8.3 m
+static_assert(axle::of({.left = finer, .right = finer, .track = 500_mm}).ratios().most_counts == 1u << 20);
 
 template <class Number> bool is_nearest(Number integer, long double exact) {
     // A double of 53 bits is exact enough for all but the last bits.

@@ -21,7 +21,7 @@ constexpr auto base = differential::of({.left = wheel, .right = mirrored(wheel),
 
 constexpr wheel_speeds at(twist t) { return base.wheels(t, 1, 300); }
 
-static_assert(at({}) == wheel_speeds{0, 0, false});
+static_assert(at({}) == wheel_speeds{0, 0, false} && wheel_speeds{} == wheel_speeds{0, 0, false});
 static_assert(at({1_m_per_s, 0_rad_per_s}) == wheel_speeds{100, -100, false});
 static_assert(at({-1_m_per_s, 0_rad_per_s}) == wheel_speeds{-100, 100, false});
 static_assert(at({0_m_per_s, 1_rad_per_s}) == wheel_speeds{-25, -25, false},

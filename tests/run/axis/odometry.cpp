@@ -94,6 +94,30 @@ TEST_CASE("start keeps the pose, restart says that it is not continuous") {
     CHECK(o.pose().y_mm() == 163_mm);
 }
 
+TEST_CASE("a way that is known to be an arc is added, however long it took") {
+    for (const bool is_known : {false, true}) {
+        odometry o = started();
+        constexpr instant late{600'000};
+        if (is_known) o.expect_arc(late);
+        CHECK(o.update(4096, 0u - 2048, late) == is_known); // 122 mm, 0.16 rad
+        CHECK((o.pose().x() > 100_mm) == is_known);
+    }
+}
+
+TEST_CASE("a pose that is set drops what is left of the steps before") {
+    for (uint32_t i = 1; i < 50; ++i) {
+        CAPTURE(i);
+        odometry after_steps = started();
+        REQUIRE(after_steps.update(i, 0u - i, {1}));
+        after_steps.set(plane_pose{});
+        odometry at_once{base};
+        at_once.start(i, 0u - i);
+        REQUIRE(after_steps.update(i + 1, 0u - i - 1, {2}));
+        REQUIRE(at_once.update(i + 1, 0u - i - 1, {2}));
+        CHECK(after_steps.pose().x_fine == at_once.pose().x_fine);
+    }
+}
+
 TEST_CASE("the heading depends on the net counts only, whatever the way") {
     std::mt19937 random{47};
     both steps{uneven};

@@ -12,6 +12,7 @@
 
 namespace sine_tests {
 
+using servobus::detail::high_product;
 using servobus::detail::unit_vector;
 using servobus::detail::unit_vector_at;
 using std::int32_t;
@@ -20,6 +21,7 @@ using std::uint32_t;
 constexpr int32_t one = 1 << 30;
 
 // The axes are exact, and the octants mirror each other.
+static_assert(high_product(1, 0x7FFF'FFFF) == 0 && high_product(2, 0x4000'0000) == 1, "to the nearest");
 static_assert(unit_vector_at(0).cosine == one && unit_vector_at(0).sine == 0);
 static_assert(unit_vector_at(0x4000'0000).cosine == 0 && unit_vector_at(0x4000'0000).sine == one);
 static_assert(unit_vector_at(0x8000'0000).cosine == -one && unit_vector_at(0x8000'0000).sine == 0);

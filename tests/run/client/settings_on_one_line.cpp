@@ -156,6 +156,8 @@ struct sensor {
 };
 static_assert(settings_on_one_line(node<sensor>{9}, lift, press).baud == 19'200);
 static_assert(settings_on_one_line(node<sensor>{9}, lift, press).format == e81);
+static_assert(settings_on_one_line(press, lift, node<sensor>{9}).baud == 19'200, "in any order");
+static_assert(settings_on_one_line(lift, node<sensor>{9}).format == e81);
 static_assert(!settings_on_one_line(node<sensor>{9}, lift).changes[0]);
 struct winch {
     static constexpr profile facts{.name = "winch", .baud = 9600};
@@ -167,6 +169,17 @@ static_assert(settings_on_one_line(node<winch>{}, press).changes[0].rate.code ==
 static_assert(settings_on_one_line(node<winch>{}, press).changes[0].needs_power_cycle);
 static_assert(settings_on_one_line(node<winch>{}, lift).baud == 9600); // which both have
 static_assert(settings_on_one_line(node<winch>{}, lift).changes[1].rate.code == 3);
+// A device with choices has these, whatever its factory setting is.
+struct hoist {
+    static constexpr profile facts{.name = "hoist", .baud = 9600};
+    static constexpr rate_choice rates[] = {{19'200, 1}};
+    static constexpr line_choices on_line{.rates = rates, .rate_register = 2};
+};
+struct slow_sensor {
+    static constexpr profile facts{.name = "slow sensor", .baud = 9600};
+};
+constexpr device_on_line hoist_and_sensor[] = {on_line<hoist>(), on_line<slow_sensor>()};
+static_assert(find_settings_on_one_line(hoist_and_sensor).error() == errc::bad_argument);
 
 } // namespace
 

@@ -343,7 +343,9 @@ TEST_CASE(
     CHECK(t.count(loop_part::enable, errc::ok) == 1);
     t.go(300, 30);
     CHECK(t.is_moving());
-    CHECK(t.reports.size() == 2); // setpoints that succeed are not reported
+    REQUIRE(t.reports.size() == 2); // setpoints that succeed are not reported
+    CHECK(t.reports[1].what == loop_part::enable);
+    CHECK(t.reports[1].setting == 0);
 }
 
 TEST_CASE("a setpoint that is given between the consent and its enable is begun") {
@@ -372,6 +374,13 @@ TEST_CASE("G44: a consent is used once: by an enable, whether it succeeds or not
     t.go(300);
     t.r.model.raise(z::fault::overcurrent, z::fault::none); // not seen yet
     t.loop.enable();
+    bool was_allowed = false;
+    while (t.r.drive.state() != drive_state::faulted || !t.r.drive.is_idle()) {
+        t.set(30);
+        t.turn();
+        was_allowed = was_allowed || t.loop.is_motion_allowed();
+    }
+    CHECK_FALSE(was_allowed);
     t.go(1000, 30);
     CHECK(t.r.drive.state() == drive_state::faulted);
     CHECK_FALSE(t.r.model.enabled());
@@ -457,7 +466,23 @@ TEST_CASE("motion that the drive has ended is reported once, at whatever moment 
     u.reports.clear();
     u.r.model.power_cycle();
     u.go(300, 30);
-    CHECK(u.count(loop_part::permission, errc::needs_init) + u.count(loop_part::setpoint, errc::needs_init) == 1);
+    CHECK(u.count(loop_part::permission, errc::needs_init) + u.count(loop_part::setpoint, errc::needs_init) ==
+          1);
+}
+
+TEST_CASE("a consent to a fault reset is used once, though the fault lasts") {
+    rig t;
+    t.go(300);
+    t.r.model.raise(z::fault::overcurrent, z::fault::none);
+    t.go(500);
+    REQUIRE(t.loop.reset_faults());
+    t.go(3000);
+    CHECK(t.r.drive.state() == drive_state::faulted);
+    t.r.model.end_faults();
+    t.go(1000);
+    CHECK(t.r.drive.state() == drive_state::faulted);
+    CHECK(t.reports.back().what == loop_part::fault_reset);
+    CHECK_FALSE(t.reports.back().how);
 }
 
 TEST_CASE("G44: after a loss the drive is taken over again, and stays at rest until a consent") {
@@ -488,6 +513,23 @@ TEST_CASE("G44: after a loss the drive is taken over again, and stays at rest un
     t.loop.enable();
     t.go(500, 30);
     CHECK(t.is_moving());
+}
+
+TEST_CASE("a consent that is given before a loss is seen is withdrawn by it") {
+    rig t;
+    t.go(300);
+    REQUIRE(t.loop.is_taken_over());
+    t.r.wire.set_connected(0, false);
+    for (int ms = 0; ms < 10'000 && t.r.drive.state() != drive_state::needs_init; ++ms) {
+        (void)t.r.drive.step(); // as a bus steps it: the loop does not look yet
+        t.r.wire.pass(milliseconds(1));
+    }
+    REQUIRE(t.r.drive.state() == drive_state::needs_init);
+    t.r.wire.set_connected(0, true);
+    t.loop.enable();
+    t.go(3000, 30);
+    CHECK(t.loop.is_taken_over());
+    CHECK(t.motions() == 0);
 }
 
 TEST_CASE("a consent is withdrawn by a take-over that fails") {
@@ -528,6 +570,19 @@ TEST_CASE("a setting that fails is reported with its number, and tried again") {
     CHECK(reports[0].how.error() == errc::out_of_range);
     CHECK_FALSE(loop.is_taken_over());
     CHECK(loop.begin(read_feedback{}) == errc::needs_init);
+}
+
+TEST_CASE("a command is begun once the end of the one before was seen") {
+    rig t;
+    t.go(300);
+    REQUIRE(t.loop.begin(read_feedback{}) == errc::ok);
+    while (!t.r.drive.is_idle()) t.r.wire.wait(t.r.drive.step()); // as a bus steps it
+    CHECK(t.loop.begin(z::ramps{300 * millisecond, 300 * millisecond}) == errc::busy);
+    t.loop.command();
+    CHECK(t.loop.take_report().what == loop_part::command);
+    REQUIRE(t.loop.begin(z::ramps{300 * millisecond, 300 * millisecond}) == errc::ok);
+    t.go(100);
+    CHECK(t.r.model.peek(z::left_acceleration_time.address) == 300);
 }
 
 TEST_CASE("a stop goes before everything else, and motion needs a consent after it") {
@@ -727,6 +782,45 @@ TEST_CASE("a stepper that a wired stop has stopped stays at rest once that is re
     CHECK(r.place() > stopped_at + 300);
 }
 
+namespace {
+// A drive of a program's own that stays energised, and says that an input holds it.
+struct held_stepper : y::model<y::closed_loop::device> {
+    static inline bool is_held = false;
+    static verdict judge(const std::uint16_t* words, y::cached_settings& known) {
+        const verdict found = y::model<y::closed_loop::device>::judge(words, known);
+        return found == verdict::as_expected && is_held ? verdict::held : found;
+    }
+};
+} // namespace
+
+TEST_CASE("a wired stop ends that motion is allowed although the drive stays energised") {
+    simulated::simulated_closed_loop r;
+    y::basic_drive<y::closed_loop::device, decltype(r.line), held_stepper> drive{
+        r.line, 1, {.feedback = milliseconds(20)}};
+    setpoint_loop loop{drive, take_over{}};
+    const auto go = [&](std::uint32_t ms) {
+        const std::uint64_t end = r.wire.time_us() + std::uint64_t{ms} * 1000;
+        while (r.wire.time_us() < end) {
+            const duration idle = loop.step();
+            r.wire.wait(idle.us == 0 ? microseconds(10) : idle);
+        }
+    };
+    go(1000);
+    loop.enable();
+    go(500);
+    REQUIRE(loop.is_motion_allowed());
+    held_stepper::is_held = true;
+    go(100);
+    CHECK(drive.state() == drive_state::enabled);
+    CHECK_FALSE(loop.is_motion_allowed());
+    held_stepper::is_held = false;
+    go(500);
+    CHECK_FALSE(loop.is_motion_allowed());
+    loop.enable();
+    go(500);
+    CHECK(loop.is_motion_allowed());
+}
+
 TEST_CASE("a C630S waits in its loop for its power cycle, and is enabled in its mode") {
     simulated::driven_c630s r;
     setpoint_loop loop{r.drive, take_over{c::set_up{}, c::torque_limits{40 * percent, 40 * percent}},
@@ -760,6 +854,28 @@ TEST_CASE("a C630S waits in its loop for its power cycle, and is enabled in its 
     CHECK_FALSE(r.model.enabled());
 }
 
+TEST_CASE("a stop that the drive refuses ends that motion is allowed all the same") {
+    simulated::driven_c630s r;
+    setpoint_loop loop{r.drive, take_over{c::set_up{}}, c::enable_in{c::control_mode::position}};
+    const auto go = [&](std::uint32_t ms) {
+        const std::uint64_t end = r.wire.time_us() + std::uint64_t{ms} * 1000;
+        while (r.wire.time_us() < end) {
+            const duration idle = loop.step();
+            r.wire.wait(idle.us == 0 ? microseconds(10) : idle);
+        }
+    };
+    go(20'000);
+    r.model.power_cycle();
+    go(20'000);
+    loop.enable();
+    go(3000);
+    REQUIRE(loop.is_motion_allowed());
+    CHECK(loop.halt() == errc::wrong_state); // in position mode it has none
+    go(100);
+    CHECK(r.drive.state() == drive_state::enabled);
+    CHECK_FALSE(loop.is_motion_allowed());
+}
+
 TEST_CASE("a bus steps the drives, and their loops command them") {
     tests::wheels_and_lift m;
     tests::wheels_and_lift_program p{m.wire};
@@ -787,6 +903,19 @@ TEST_CASE("a bus steps the drives, and their loops command them") {
     CHECK(lift.is_taken_over());
     CHECK(m.wheels_model.left().speed > 25'000'000); // the other drive's loss is none of its own
 }
+
+namespace {
+constexpr loop_report ended(loop_part what, errc why) { return {.what = what, .how = routine_status{why}}; }
+constexpr bool is_told_after(loop_part other, errc how) {
+    detail::loop_reports r;
+    (void)r.note(ended(loop_part::command, errc::timeout));
+    (void)r.note(ended(other, how));
+    return r.note(ended(loop_part::command, errc::timeout));
+}
+} // namespace
+static_assert(is_told_after(loop_part::stop, errc::ok) && is_told_after(loop_part::command, errc::ok));
+static_assert(is_told_after(loop_part::command, errc::busy) && is_told_after(loop_part::stop, errc::timeout));
+static_assert(!is_told_after(loop_part::command, errc::timeout), "the same failure again");
 
 TEST_CASE("each part of a loop has a text") {
     CHECK(text(loop_part::none) == doctest::String("nothing"));

@@ -65,6 +65,33 @@ TEST_CASE("each axis goes to its places") {
     CHECK(r.model.left().target == -2048);
     CHECK(r.model.right().target == -4096);
     CHECK(r.belts.left().begin(travel_by{1_mm}) == errc::wrong_state);
+    CHECK(r.belts.left().run(travel_to{2148_m}, wait_reached{}).how == arrival_state::none);
+}
+
+TEST_CASE("the rest of each axis is kept over other commands") {
+    rig r{belt, belt};
+    r.enable_for(operating_mode::relative_position);
+    for (int i = 1; i <= 6; ++i) {
+        REQUIRE(r.belts.right().run(travel_by{10_mm}, wait_reached{}).how == arrival_state::reached);
+        REQUIRE(r.belts.read());
+        REQUIRE(r.belts.left().run(travel_by{10_mm}, wait_reached{}).how == arrival_state::reached);
+        CHECK(r.model.left().target == (i * 10 * 4096 * 2 / 120 + 1) / 2); // 341.3 counts
+        CHECK(r.model.right().target == r.model.left().target);
+    }
+}
+
+TEST_CASE("what each axis misses is its own") {
+    rig r;
+    r.enable_for(operating_mode::relative_position);
+    REQUIRE(r.belts.left().run(travel_by{10_mm}, wait_reached{}).how == arrival_state::reached);
+    REQUIRE(r.belts.right().begin(travel_by{900_mm}) == errc::ok);
+    while (!r.belts.is_idle()) r.wire.wait(r.belts.step());
+    REQUIRE(r.belts.read());
+    const micrometres left = r.belts.left().arrival().missing, right = r.belts.right().arrival().missing;
+    CHECK(left.count() > -1000);
+    CHECK(left.count() < 1000);
+    CHECK(right.count() > 800'000);
+    CHECK(right.count() <= 900'000);
 }
 
 TEST_CASE("each axis has its speed, to the nearest count") {
@@ -99,6 +126,7 @@ TEST_CASE("G42: an encoder that counts otherwise than the program says: not take
     CHECK(r.belts.run(init{}).error() == errc::unexpected_value);
     CHECK(r.belts.state() == drive_state::needs_init);
     CHECK(r.belts.left().position(milliseconds(1000)).error() == errc::needs_init);
+    CHECK(r.belts.left().speed(milliseconds(1000)).error() == errc::needs_init);
 }
 
 } // namespace axes_zlac8015d_tests

@@ -28,8 +28,8 @@ struct rig : simulated::simulated_c630s {
     c630s::axis_drive<line_type> drive;
 
     explicit rig(const axis& of, c630s::encoder_counts encoder = c630s::encoder_counts::unknown,
-                 const sim::c630s_options& read_as = {})
-        : simulated::simulated_c630s{read_as}, drive{line, 1, of, {}, encoder} {}
+                 const optional_supervision& by = {}, const sim::c630s_options& read_as = {})
+        : simulated::simulated_c630s{read_as}, drive{line, 1, of, by, encoder} {}
     /// Sets up, and enables it for places or ways.
     void enable_for(c630s::displacement_type ways) {
         REQUIRE(drive.run(init{}));
@@ -66,11 +66,30 @@ TEST_CASE("an axis goes to places by its own segment, and says where it is") {
     r.enable_for(places);
     CHECK(r.drive.run(travel_to{12.5_mm, quick}, wait_reached{}).how == arrival_state::reached);
     CHECK(r.units() == 25'000);
+    CHECK(r.model.peek(servobus::at<c630s::position_segment_wait_times, 15>.address) == 0);
     CHECK(r.off(12.5_mm) <= 1);
     CHECK(r.drive.run(travel_to{-0.4_mm, quick}, wait_reached{}).how == arrival_state::reached);
     CHECK(r.units() == -800);
     CHECK(r.off(-0.4_mm) <= 1);
     CHECK(r.drive.begin(travel_by{1_mm, quick}) == errc::wrong_state);
+}
+
+TEST_CASE("where an axis is follows from its position only, whichever block is read") {
+    rig r{ram, c630s::encoder_counts::unknown, {.feedback = milliseconds(20)}};
+    r.enable_for(places);
+    REQUIRE(r.drive.run(travel_to{12.5_mm, quick}, wait_reached{}).how == arrival_state::reached);
+    const std::uint64_t end = r.wire.time_us() + 300'000;
+    std::size_t looks = 0;
+    while (r.wire.time_us() < end) {
+        const duration idle = r.drive.step();
+        r.wire.wait(idle.us == 0 || idle.us > 200 ? microseconds(200) : idle);
+        const result<micrometres> there = r.drive.position(milliseconds(1000));
+        if (!there) continue;
+        ++looks;
+        const std::int64_t d = there->count() - 12'500;
+        CHECK(d * d <= 1);
+    }
+    CHECK(looks > 100);
 }
 
 TEST_CASE("a mirrored axis, by segments that were set before") {
@@ -105,7 +124,7 @@ TEST_CASE("ways do not drift, and the rest is kept over what is refused") {
 // 475 units of 13.1072 counts are 6225.92 counts [erratum C84].
 TEST_CASE("a gear that keeps what is below a count of the encoder does not drift; one that drops it does") {
     for (const bool keeps : {false, true}) {
-        rig r{fast, c630s::encoder_counts::unknown, {.gear_keeps_rest = keeps}};
+        rig r{fast, c630s::encoder_counts::unknown, {}, {.gear_keeps_rest = keeps}};
         r.enable_for(ways);
         const std::int64_t from = r.model.position();
         for (int i = 0; i < 100; ++i)
@@ -128,6 +147,19 @@ TEST_CASE("speeds, in whole r/min of the motor") {
     CHECK(r.drive.begin(travel_at{1_um_per_s}) == errc::out_of_range);
     CHECK(r.drive.begin(travel_at{2147_m_per_s}) == errc::out_of_range);
     CHECK(r.drive.run(travel_at{0_mm_per_s}));
+}
+
+TEST_CASE("the speed of a segment is rounded to whole r/min, also of a mirrored axis") {
+    for (const axis* of : {&ram, &turned}) {
+        rig r{*of};
+        r.enable_for(places);
+        const auto set = [&](micrometres_per_second at) {
+            REQUIRE(r.drive.run(c630s::axis_segment{2, 1_mm, at}));
+            return r.model.peek(servobus::at<c630s::position_segment_speeds, 1>.address);
+        };
+        CHECK(set(1533_um_per_s) == 18); // 18.4
+        CHECK(set(1542_um_per_s) == 19); // 18.5
+    }
 }
 
 TEST_CASE("bad input: nothing is sent") {
@@ -198,12 +230,46 @@ TEST_CASE("a stop between setting a segment and starting it: it is not started")
     CHECK(between > 20);
 }
 
+TEST_CASE("a way that was set and not started leaves no rest") {
+    rig r{third};
+    r.enable_for(ways);
+    REQUIRE(r.drive.run(travel_by{100_um, quick}, wait_reached{}).how == arrival_state::reached);
+    const auto set = [&] {
+        return r.model.peek(servobus::at<c630s::position_segment_displacements, 15>.address);
+    };
+    CHECK(set() == 333);
+    std::size_t between = 0;
+    for (int turns = 1; turns < 400; ++turns) {
+        const std::int64_t was = r.units();
+        REQUIRE(r.drive.begin(travel_by{100_um, quick}) == errc::ok);
+        for (int i = 0; i < turns && !r.drive.is_idle(); ++i) {
+            const duration idle = r.drive.step();
+            r.wire.wait(idle.us == 0 || idle.us > 200 ? microseconds(200) : idle);
+        }
+        REQUIRE(r.drive.run(disable{}));
+        r.wire.pass(milliseconds(300));
+        if (r.units() != was) break;
+        REQUIRE(r.drive.run(c630s::enable_in{c630s::control_mode::position}));
+        if (set() == 333 && between == 0) continue;
+        ++between;
+        CHECK(set() == 334); // a third was open, each time
+    }
+    CHECK(between > 3);
+}
+
 TEST_CASE("a drive whose reference units are worth something else is not taken over") {
     constexpr std::uint16_t pulses = c630s::pulses_per_revolution.address,
                             gear = c630s::gear_1_numerator.address, below = c630s::gear_1_denominator.address;
     SUBCASE("other pulses of a turn") {
         rig r{coarse};
-        CHECK(r.drive.run(init{}).error() == errc::unexpected_value);
+        REQUIRE(r.drive.begin(init{}) == errc::ok);
+        bool is_known = false; // not even until the units are read
+        while (!r.drive.is_idle()) {
+            r.wire.wait(r.drive.step());
+            is_known = is_known || r.drive.state() != drive_state::needs_init;
+        }
+        CHECK_FALSE(is_known);
+        CHECK(r.drive.last().error() == errc::unexpected_value);
         CHECK(r.drive.state() == drive_state::needs_init);
         CHECK(r.drive.begin(travel_at{1_mm_per_s}) == errc::needs_init);
     }

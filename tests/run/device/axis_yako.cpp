@@ -132,6 +132,33 @@ TEST_CASE("the rest is kept over a halt, and dropped where the position is decla
     CHECK(r.place() == 201_um); // 67 pulses
 }
 
+TEST_CASE("a way that is refused while the motor moves leaves no rest") {
+    ready<closed> r{third};
+    REQUIRE(r.drive.run(travel_by{10_mm, quick})); // 3333.3 pulses
+    CHECK(r.drive.run(travel_by{100_um, quick}).error() == errc::busy);
+    REQUIRE(r.drive.run(wait_reached{}));
+    REQUIRE(r.by({100_um, quick}) == arrival_state::reached);
+    CHECK(r.pulses() == 3367);
+}
+
+TEST_CASE("a way that a halt has cut before its start leaves no rest") {
+    std::size_t cut = 0;
+    for (int steps = 1; steps < 40; ++steps) {
+        CAPTURE(steps);
+        ready<closed> r{third};
+        REQUIRE(r.by({100_um, quick}) == arrival_state::reached); // 33.3 pulses
+        REQUIRE(r.drive.begin(travel_by{100_um, quick}) == errc::ok);
+        for (int i = 0; i < steps; ++i) r.wire.wait(r.drive.step());
+        REQUIRE(r.drive.run(halt{}));
+        r.loop(300);
+        if (r.pulses() != 33) break;
+        ++cut;
+        REQUIRE(r.by({100_um, quick}) == arrival_state::reached);
+        CHECK(r.pulses() == 67);
+    }
+    CHECK(cut > 3);
+}
+
 TEST_CASE("G42: a drive that counts otherwise than the program says is not taken over") {
     closed r{other};
     CHECK(r.drive.run(init{}).error() == errc::unexpected_value);
@@ -140,6 +167,11 @@ TEST_CASE("G42: a drive that counts otherwise than the program says is not taken
     CHECK(r.drive.speed(milliseconds(1000)).error() == errc::needs_init);
     CHECK(r.drive.run(travel_by{1_mm}, wait_reached{}).how == arrival_state::none);
     CHECK(r.drive.position(milliseconds(1000)).error() == errc::needs_init);
+    // A drive whose segment 16 is in use gets no marker, so that its state is known at once.
+    const std::uint8_t in_use[]{0, 0, 0x03, 0x09};
+    REQUIRE(r.model.write(servobus::at<yako::position_segment_targets, 15>.address, words_view{in_use}) == 0);
+    CHECK(r.drive.run(init{}).error() == errc::unexpected_value);
+    CHECK(r.drive.state() == drive_state::needs_init);
     closed right{screw};
     CHECK(right.drive.run(init{}));
     CHECK(right.drive.position(milliseconds(1000)).error() == errc::timeout);
@@ -190,6 +222,7 @@ TEST_CASE("bad input: nothing is sent") {
     CHECK(r.requests.size() == before);
     CHECK(r.to({1_mm, quick}) == arrival_state::reached);
     CHECK(r.pulses() == 200);
+    CHECK(r.to({2148_m, quick}) == arrival_state::none); // not that of the move before
 }
 
 TEST_CASE("an axis moves while a button is held") {

@@ -67,6 +67,8 @@ TEST_CASE("G42: twists become speeds of both wheels in one frame; above the limi
     REQUIRE(r.robot.run(enable{}));
     REQUIRE(r.robot.run(twist{123_mm_per_s, 0_rad_per_s})); // 12.3 r/min
     CHECK(r.sent_speeds(123, -123) == 1);
+    REQUIRE(r.robot.run(twist{20_m_per_s, 40_rad_per_s})); // 2008h is 10'000 tenths, but 2088h takes 3000
+    CHECK(r.sent_speeds(1000, -3000) == 1);
     REQUIRE(r.robot.run(disable{}));
     REQUIRE(r.robot.run(zlac8015d::enable_in{zlac8015d::operating_mode::torque}));
     CHECK(r.robot.begin(forward) == errc::wrong_state);
@@ -221,6 +223,19 @@ TEST_CASE("G42: a drive that counts otherwise than the program says is not taken
         CHECK((w.robot.state() == drive_state::disabled) == is_right);
         if (!is_right) CHECK(w.robot.last().error() == errc::unexpected_value);
     }
+}
+
+TEST_CASE("each wheel is compared with its own encoder") {
+    static constexpr auto uneven =
+        differential::of({.left = wheel, .right = rolling(600_mm, counts_per_turn{16384}), .track = 500_mm});
+    struct rig_of : simulated::driven_zlac8015d {
+        zlac8015d::robot<line_type> robot{line, 1, uneven, unsupervised};
+    } r;
+    CHECK(r.robot.run(init{}).error() == errc::unexpected_value); // both have 1024 lines
+    r.set_by_hand(zlac8015d::right_encoder_lines.address, 4096);
+    CHECK(r.robot.run(init{}));
+    r.set_by_hand(zlac8015d::left_encoder_lines.address, 4096);
+    CHECK(r.robot.run(init{}).error() == errc::unexpected_value);
 }
 
 } // namespace robot_tests

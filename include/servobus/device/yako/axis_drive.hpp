@@ -117,18 +117,14 @@ constexpr axis_command plan_on_axis(const travel_by& wanted, const axis_place& a
 /// Errors: as `yako::velocity`; `out_of_range`.
 constexpr axis_command plan_on_axis(const travel_at& wanted, const axis_place& at,
                                     const cached_settings& known) {
-    const auto to = detail::speed_on(at.geometry(), wanted.speed, known);
-    axis_command c = velocity{to.value}.plan(known);
-    c.refusal = detail::first_error(to.error, c.refusal);
-    return c;
+    // A speed that has no count is 0 here, which the drive's own command refuses.
+    return velocity{detail::speed_on(at.geometry(), wanted.speed, known).value}.plan(known);
 }
 /// A button that is held. Errors: as `yako::hold`; `out_of_range`.
 constexpr axis_command plan_on_axis(const servobus::hold_at& wanted, const axis_place& at,
                                     const cached_settings& known) {
-    const auto to = detail::speed_on(at.geometry(), wanted.speed, known);
-    axis_command c = hold{to.value, wanted.every}.plan(known);
-    c.refusal = detail::first_error(to.error, c.refusal);
-    return c;
+    // Likewise.
+    return hold{detail::speed_on(at.geometry(), wanted.speed, known).value, wanted.every}.plan(known);
 }
 /// A mirrored axis has its lowest place where the drive counts highest. Errors: as `yako::limit_travel`; `out_of_range`.
 constexpr axis_command plan_on_axis(const travel_limits& wanted, const axis_place& at,
