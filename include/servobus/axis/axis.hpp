@@ -14,6 +14,7 @@
 
 #include <cstdint>
 
+#include <servobus/axis/detail/is_beyond.hpp>
 #include <servobus/axis/feed.hpp>
 #include <servobus/axis/lengths.hpp>
 #include <servobus/axis/scale.hpp>
@@ -103,6 +104,18 @@ class axis {
         const result<std::int32_t> tenths = tenths_of_um_per_s_.nearest(speed.count());
         if (!tenths) return tenths.error();
         return motor_speed{*tenths * sign_};
+    }
+    /// The speed of the motor for a drive that counts `per_r_per_min` (1 .. 10) a r/min, to the nearest count.
+    /// Errors: out_of_range (also beyond 214 m/s).
+    constexpr result<std::int32_t> motor_counts_of(micrometres_per_second speed,
+                                                   std::int32_t per_r_per_min) const {
+        if (detail::is_beyond(speed.count(), 214'748'364)) return errc::out_of_range;
+        std::int32_t rest = 0;
+        const result<std::int32_t> tenths = tenths_of_um_per_s_.convert(speed.count() * per_r_per_min, rest);
+        if (!tenths || detail::is_beyond(*tenths, 2'147'483'600)) return errc::out_of_range;
+        // The half is looked for in what is not rounded yet: rounding twice would pass it.
+        const std::int32_t from_half = *tenths - (rest < 0 ? 1 : 0) + 5;
+        return (from_half < 0 ? -((9 - from_half) / 10) : from_half / 10) * sign_;
     }
     /// The speed of the axis, to the nearest um/s; limited to 32 bits.
     constexpr micrometres_per_second speed_of(motor_speed of) const {

@@ -40,6 +40,25 @@ static_assert(screw.speed_of(600 * units::r_per_min) == 50_mm_per_s);
 static_assert(turned.speed_of(-2220 * units::r_per_min) == 50.8_mm_per_s);
 static_assert(belt.motor_speed_of(1_m_per_s).value() == 2500 * units::r_per_min);
 
+// In a drive's own counts, rounded once: 10'040 um/s are 120.48 r/min, and 10'042 um/s 120.504.
+static_assert(screw.motor_counts_of(10'040_um_per_s, 1).value() == 120);
+static_assert(screw.motor_counts_of(10'042_um_per_s, 1).value() == 121);
+static_assert(screw.motor_counts_of(-10'040_um_per_s, 1).value() == -120);
+static_assert(screw.motor_counts_of(-10'042_um_per_s, 1).value() == -121);
+static_assert(screw.motor_counts_of(10'040_um_per_s, 10).value() == 1205);
+static_assert(screw.motor_counts_of(10'040_um_per_s, 4).value() == 482); // 481.92
+static_assert(turned.motor_counts_of(50.8_mm_per_s, 1).value() == -2220);
+static_assert(turned.motor_counts_of(50.8_mm_per_s, 10).value() == -22'200);
+static_assert(screw.motor_counts_of(um_s(214'748'364), 10).value() == 25'769'804); // 25'769'803.68
+static_assert(screw.motor_counts_of(um_s(214'748'365), 1).error() == errc::out_of_range);
+static_assert(screw.motor_counts_of(um_s(-214'748'365), 1).error() == errc::out_of_range);
+static_assert(axis::of(lead(0.1_mm, counts_per_turn{100})).motor_counts_of(214_m_per_s, 10).error() ==
+              errc::out_of_range);
+constexpr auto of_tenths = axis::of(lead(0.6_mm, counts_per_turn{1000})); // a um/s is 0.1 r/min
+static_assert(of_tenths.motor_counts_of(um_s(214'748'360), 10).value() == 214'748'360);
+static_assert(of_tenths.motor_counts_of(um_s(-214'748'360), 10).value() == -214'748'360);
+static_assert(of_tenths.motor_counts_of(um_s(214'748'361), 10).error() == errc::out_of_range);
+
 // Beyond every count: refused, and never another number
 static_assert(screw.counts_of(2147.5_m).error() == errc::out_of_range);
 static_assert(screw.counts_of(-2147.5_m).error() == errc::out_of_range);

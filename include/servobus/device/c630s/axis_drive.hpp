@@ -119,11 +119,9 @@ struct whole_speed {
     errc error = errc::ok;
 };
 constexpr whole_speed speed_on(const axis& on, micrometres_per_second wanted) {
-    const result<motor_speed> exact = on.motor_speed_of(wanted);
-    if (!exact) return {0, exact.error()};
-    const std::int32_t tenths = exact->count();
-    const std::int32_t whole = (tenths + (tenths < 0 ? -5 : 5)) / 10;
-    return {whole, whole == 0 && wanted.count() != 0 ? errc::out_of_range : errc::ok};
+    const result<std::int32_t> whole = on.motor_counts_of(wanted, 1);
+    if (!whole) return {0, whole.error()};
+    return {*whole, *whole == 0 && wanted.count() != 0 ? errc::out_of_range : errc::ok};
 }
 } // namespace detail
 
@@ -163,8 +161,8 @@ constexpr axis_command move_on_axis(const result<std::int32_t>& counts, const ax
         time{0}}.plan(known);
     c.refusal = first_error(start_segment{axis_model::own_segment}.plan(known).refusal,
                             known.ways == ways ? errc::ok : errc::wrong_state,
-                            by.is_stored() || !by.is_valid() || is_uneven ? errc::bad_argument : errc::ok, counts.error(),
-                            first_error(to.error, c.refusal));
+                            by.is_stored() || !by.is_valid() || is_uneven ? errc::bad_argument : errc::ok,
+                            counts.error(), first_error(to.error, c.refusal));
     c.starts = true;
     return c;
 }

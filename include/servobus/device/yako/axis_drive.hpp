@@ -69,11 +69,11 @@ struct rounded_speed {
 };
 constexpr rounded_speed speed_on(const axis& on, micrometres_per_second wanted,
                                  const cached_settings& known) {
-    const result<motor_speed> exact = on.motor_speed_of(wanted);
-    if (!exact) return {{}, exact.error()};
-    std::int32_t tenths = exact->count();
-    if (known.resolution != speed_count::tenth_r_per_min) tenths = (tenths + (tenths < 0 ? -5 : 5)) / 10 * 10;
-    const bool is_lost = tenths == 0 && wanted.count() != 0;
+    const std::int32_t counts_of_r_per_min = known.resolution == speed_count::tenth_r_per_min ? 10 : 1;
+    const result<std::int32_t> counts = on.motor_counts_of(wanted, counts_of_r_per_min);
+    if (!counts) return {{}, counts.error()};
+    const bool is_lost = *counts == 0 && wanted.count() != 0;
+    const std::int32_t tenths = counts_of_r_per_min == 10 ? *counts : *counts * 10;
     return {speed{tenths}, is_lost ? errc::out_of_range : errc::ok};
 }
 struct rounded_profile {

@@ -104,11 +104,10 @@ constexpr axis_command plan_on_wheel(const travel_by& wanted, const axis_place& 
 /// `out_of_range`, also for a speed that is not 0 and rounds to it.
 constexpr axis_command plan_on_wheel(const travel_at& wanted, const axis_place& at, wheels which,
                                      const cached_settings& known) {
-    const result<motor_speed> exact = at.geometry().motor_speed_of(wanted.speed);
-    const std::int32_t tenths = exact.value_or(motor_speed{}).count();
-    const bool is_beyond = tenths > 32'767 || tenths < -32'767; // 3276.7 r/min
-    const std::int32_t n = known.resolution, parts = is_beyond ? 0 : tenths * n;
-    const std::int32_t counts = (parts + (parts < 0 ? -5 : 5)) / 10;
+    const std::int32_t n = known.resolution;
+    const result<std::int32_t> exact = at.geometry().motor_counts_of(wanted.speed, n);
+    const std::int32_t counted = exact.value_or(0);
+    const std::int32_t counts = servobus::detail::is_beyond(counted, 32'767) ? 0 : counted;
     const speed to{counts * (2520 / n)};
     axis_command c = which == wheels::left ? left_velocity{to}.plan(known) : right_velocity{to}.plan(known);
     const errc lost = counts == 0 && wanted.speed.count() != 0 ? errc::out_of_range : errc::ok;
@@ -190,8 +189,10 @@ template <class Line> class axes : public basic_drive<Line, axes_model> {
     }
     axes(Line&, std::uint8_t, const axis&&, const axis&, const supervision&) = delete; // they are referred to
     axes(Line&, std::uint8_t, const axis&, const axis&&, const supervision&) = delete;
+    axes(Line&, std::uint8_t, const axis&&, const axis&&, const supervision&) = delete;
     axes(Line&, const servobus::node<device>&, const axis&&, const axis&, const supervision&) = delete;
     axes(Line&, const servobus::node<device>&, const axis&, const axis&&, const supervision&) = delete;
+    axes(Line&, const servobus::node<device>&, const axis&&, const axis&&, const supervision&) = delete;
 
     constexpr axis_of_drive<axes> left() { return {*this, wheels::left}; }
     constexpr axis_of_drive<axes> right() { return {*this, wheels::right}; }
