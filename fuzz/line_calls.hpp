@@ -55,7 +55,7 @@ struct call {
   private:
     static bool is_stop(unsigned how) { return (how & 1u) != 0; }
     static servobus::duration short_time(input& in) {
-        return {time_of(static_cast<std::uint8_t>(in.byte() & 0x8Fu))};
+        return servobus::duration{time_of(static_cast<std::uint8_t>(in.byte() & 0x8Fu))};
     }
     static servobus::response_limits limits_of(input& in, unsigned how) {
         servobus::response_limits limits;

@@ -88,7 +88,7 @@ class program {
         case stage::halt: return wheels_.begin(halt{});
         case stage::disable:
         case stage::stop: return wheels_.begin(disable{});
-        case stage::rest: look_.begin({job::timing.t3_5}); break;
+        case stage::rest: look_.begin(duration{job::timing.t3_5}); break;
         case stage::over: break;
         }
         return errc::ok;

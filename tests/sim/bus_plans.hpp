@@ -20,7 +20,7 @@ constexpr servobus::node<Device> prompt(std::uint8_t node_address, std::uint32_t
     servobus::node<Device> n{node_address};
     n.limits.response = servobus::milliseconds(response_ms);
     n.gaps.quarantine = servobus::milliseconds(quarantine_ms);
-    n.gaps.gap = {gap_us};
+    n.gaps.gap = servobus::duration{gap_us};
     return n;
 }
 

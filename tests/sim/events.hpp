@@ -85,7 +85,7 @@ class events {
         scene& on = in_.state();
         if (at.slow_until != 0 && on.now() > at.slow_until) {
             at.slow_until = 0;
-            at.set_delay({at.usual_delay_us});
+            at.set_delay(servobus::duration{at.usual_delay_us});
         }
         if (!at.is_where_it_is_looked_for() && on.one_in(3)) at.address() = at.device_address();
     }
@@ -140,7 +140,7 @@ class events {
 
     void cut(std::uint32_t time) {
         in_.state().strikes(strike::stuck_line);
-        in_.wire().cut_for({time});
+        in_.wire().cut_for(servobus::duration{time});
         excuse_until(in_.state().now() + time);
     }
     void send() {
@@ -164,7 +164,7 @@ class events {
     void slow_down(participant& at) {
         scene& on = in_.state();
         on.strikes(strike::slow_drive);
-        at.set_delay({on.between(at.usual_delay_us, at.gaps().quarantine.us * 9 / 10)});
+        at.set_delay(servobus::duration{on.between(at.usual_delay_us, at.gaps().quarantine.us * 9 / 10)});
         at.slow_until = on.now() + on.between(1'000, 1'000'000);
     }
 

@@ -106,7 +106,7 @@ template <const auto& Plan, class... Drives> class fleet_of : public fleet {
         const std::uint32_t most = s.limits().response.us * 8 / 10;
         s.usual_delay_us = on.one_in(3) ? on.between(on.timing.t3_5, most) : on.timing.t3_5;
         s.usual_delay_us = std::max(s.usual_delay_us, s.own_delay().us);
-        s.set_delay({s.usual_delay_us});
+        s.set_delay(servobus::duration{s.usual_delay_us});
         return s;
     }
     static void hang_test_device_on(facade_world& in, std::uint8_t node_address) {

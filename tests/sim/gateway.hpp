@@ -85,7 +85,7 @@ class gateway final : public servobus::sim::line_device {
     }
     servobus::duration run(servobus::instant) override {
         if (!is_waiting_ || left_ != 0) return sender_.until_due();
-        if (on_->now() < due_us_) return {static_cast<std::uint32_t>(due_us_ - on_->now())};
+        if (on_->now() < due_us_) return servobus::duration{static_cast<std::uint32_t>(due_us_ - on_->now())};
         is_waiting_ = false;
         ++sent_;
         asked_by_ = on_->transaction;

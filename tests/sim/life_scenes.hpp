@@ -218,7 +218,7 @@ class life_scenes : public life {
         const std::uint32_t one = in_.longest_exchange().us;
         const std::uint32_t limit = on().between(100'000, one + 300'000);
         const bool has_setpoints = kind() != drive_kind::yako;
-        of_.set_command_timeout({limit});
+        of_.set_command_timeout(servobus::duration{limit});
         if (has_setpoints) {
             loss_per_mille_ = on().between(10, 80);
             const std::uint64_t end = now() + 3'000'000;

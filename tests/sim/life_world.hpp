@@ -97,14 +97,14 @@ template <class Port> class life_world final : public life_place {
             take_in(std::make_unique<Seat>(on, line_, others(), map, node_address, baud(),
                                            Pilot::workable(on.manuals.template draw<Options>()))));
         const std::uint32_t own = at.own_delay().us + 4 * on.timing.t3_5;
-        at.limits().response = {on.between(50'000, 110'000) + own};
-        at.gaps().quarantine = {on.between(20'000, 80'000)};
+        at.limits().response = servobus::duration{on.between(50'000, 110'000) + own};
+        at.gaps().quarantine = servobus::duration{on.between(20'000, 80'000)};
         if (resolution_us() > 1) at.gaps().gap.us += on.timing.t3_5 + resolution_us(); // a coarse clock
         at.usual_delay_us = on.timing.t3_5 + on.random.below(500);
-        at.set_delay({at.usual_delay_us});
+        at.set_delay(servobus::duration{at.usual_delay_us});
         at.set_listening(on.one_in(2));
         if (has_gateway) {
-            between().stand_in({on.between(12'000, 35'000) + own}, on.random.roll());
+            between().stand_in(servobus::duration{on.between(12'000, 35'000) + own}, on.random.roll());
             if (!is_tcp()) put_behind_gateway(at.limits()); // a port of Modbus TCP needs no setting
         }
         // Gaps after a failed exchange are judged in other runs.

@@ -98,7 +98,7 @@ class mishaps {
     void cut() {
         in_.state().strikes(strike::stuck_line);
         const std::uint32_t time = any_time();
-        in_.wire().cut_for({time});
+        in_.wire().cut_for(servobus::duration{time});
         over_at(in_.state().now() + time);
     }
     void send() { over_at(in_.let_talk(in_.state().between(100'000, 3'000'000))); }

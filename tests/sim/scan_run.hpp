@@ -41,7 +41,7 @@ class scan_run {
     scan_run(std::uint64_t seed, event_counts& count, std::size_t notes)
         : in_{seed, count, notes, drawn(seed)} {
         scene& on = in_.state();
-        limits_.response = {on.between(5'000, 60'000) + 4u * on.timing.t3_5};
+        limits_.response = servobus::duration{on.between(5'000, 60'000) + 4u * on.timing.t3_5};
         for (std::uint8_t node_address = 1; node_address <= last_unit; ++node_address) inhabit(node_address);
         in_.court().set_quiet({});
     }
@@ -74,13 +74,13 @@ class scan_run {
         const std::uint32_t kind = on.random.below(6);
         const std::uint32_t late = on.timing.t3_5 + on.random.below(limits_.response.us / 2);
         if (kind >= 3 || in_.participants().size() >= most_devices) return;
-        in_.settle_one(node_address).set_delay({late});
+        in_.settle_one(node_address).set_delay(servobus::duration{late});
         truth_[node_address] = presence::present;
         if (kind != 0) return;
         // The response of the second device begins while that of the first, seven characters long, is on
         // the wire.
         const std::uint32_t apart = on.random.below(on.wire_time(5));
-        in_.settle_one(node_address).set_delay({late + apart});
+        in_.settle_one(node_address).set_delay(servobus::duration{late + apart});
         truth_[node_address] = presence::garbled;
     }
 

@@ -89,7 +89,7 @@ class shaky_port {
             if (given > on_->now())
                 wire().pass(servobus::duration{static_cast<std::uint32_t>(given - on_->now())});
         } else if (until > on_->now()) {
-            wire().wait({static_cast<std::uint32_t>(until - on_->now())});
+            wire().wait(servobus::duration{static_cast<std::uint32_t>(until - on_->now())});
         }
         look();
     }

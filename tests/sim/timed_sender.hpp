@@ -59,7 +59,7 @@ class timed_sender {
     servobus::duration until_due() const {
         if (pieces_.empty()) return servobus::sim::line_device::until_it_receives;
         const std::uint64_t at = pieces_.front().at_us;
-        return {at > on_->now() ? static_cast<std::uint32_t>(at - on_->now()) : 1u};
+        return servobus::duration{at > on_->now() ? static_cast<std::uint32_t>(at - on_->now()) : 1u};
     }
     void stop() { pieces_.clear(); }
 

@@ -208,17 +208,17 @@ inline void settle(world& in, participant& s) {
     scene& on = in.state();
     const std::uint32_t t3_5 = on.timing.t3_5;
     const std::uint32_t own = s.own_delay().us;
-    s.limits().response = {on.between(30'000, 120'000) + 4 * t3_5 + own};
-    s.limits().turnaround = {on.between(2'000, 20'000)};
+    s.limits().response = servobus::duration{on.between(30'000, 120'000) + 4 * t3_5 + own};
+    s.limits().turnaround = servobus::duration{on.between(2'000, 20'000)};
     s.limits().leading_bytes = on.one_in(4) ? std::uint8_t{0} : std::uint8_t{4};
-    s.gaps().quarantine = {on.between(30'000, 150'000) + 2 * t3_5 + own};
-    s.gaps().gap = {on.one_in(3) ? on.between(0, 10'000) : 0u};
+    s.gaps().quarantine = servobus::duration{on.between(30'000, 150'000) + 2 * t3_5 + own};
+    s.gaps().gap = servobus::duration{on.one_in(3) ? on.between(0, 10'000) : 0u};
     // A coarse clock may show up to one tick more than has passed, but the drive needs t3.5.
     if (in.resolution_us() > 1) s.gaps().gap.us += t3_5 + in.resolution_us();
     const std::uint32_t most = std::min(s.limits().response.us * 6 / 10, s.gaps().quarantine.us * 8 / 10);
     s.usual_delay_us = on.one_in(4) ? on.between(t3_5, most) : t3_5 + on.random.below(500);
     s.usual_delay_us = std::max(s.usual_delay_us, own);
-    s.set_delay({s.usual_delay_us});
+    s.set_delay(servobus::duration{s.usual_delay_us});
     s.set_listening(on.one_in(2));
 }
 

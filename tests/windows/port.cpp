@@ -68,7 +68,7 @@ void clock() {
     static_assert(microseconds_of(0xFFFF'FFFF'FFFF'FFFF, 3'000'000'000) == 6'148'914'691'236'517);
     static_assert(windows::detail::milliseconds_of(microseconds(1)) == 1);
     static_assert(windows::detail::milliseconds_of(milliseconds(7)) == 7);
-    static_assert(windows::detail::milliseconds_of({0xFFFF'FFFF}) == 4'294'968);
+    static_assert(windows::detail::milliseconds_of(servobus::duration{0xFFFF'FFFF}) == 4'294'968);
     const duration slept = time_of([] { windows::sleep_for(milliseconds(50)); });
     check(slept >= milliseconds(50), "a sleep does not end early");
     check(slept < milliseconds(2000), "a sleep ends");
