@@ -79,10 +79,10 @@ on_a_terminal() {
 part=${1:-all}
 if [ "$part" != terminal ]; then
     check "the runner" g++ $humble -c tests/run/main.cpp -o "$build/main.o"
-    for source in driving losses lifecycle hostile; do
+    for source in driving lifecycle; do
         check "g++, Humble: $source" in_virtual_time $source g++ $humble
     done
-    for source in losses hostile; do # what driving and lifecycle run too, and more
+    for source in losses hostile; do
         check "clang++ with sanitizers, Jazzy: $source" in_virtual_time $source clang++ $jazzy $sanitized
     done
     check "g++, Jazzy: the plugin compiles" g++ $jazzy -fsyntax-only $plugin

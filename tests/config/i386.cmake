@@ -8,9 +8,9 @@ set(CMAKE_CXX_COMPILER clang++ CACHE STRING "")
 set(CMAKE_CXX_FLAGS "-m32 -idirafter /usr/include/x86_64-linux-gnu -std=c++2b -fno-exceptions -fno-rtti -fsanitize=undefined -fsanitize-trap=all" CACHE STRING "")
 set(SERVOBUS_EXAMPLES OFF CACHE BOOL "")
 
-# The rooms whose code depends on the width of a pointer. The facades run on 32 bits in tests/target, on a Cortex-M0+.
+# The rooms whose code depends on the width of a pointer. Lines and facades run on 32 bits in tests/target, on a Cortex-M0+.
 set(SERVOBUS_QUICK ON CACHE BOOL "")
-set(SERVOBUS_UNIT_FOLDERS core line modbus registers CACHE STRING "")
+set(SERVOBUS_UNIT_FOLDERS core modbus registers CACHE STRING "")
 
 # Where the machine cannot execute a 32-bit program, qemu-user does it.
 set(probe ${CMAKE_CURRENT_BINARY_DIR}/executes_i386)

@@ -65,9 +65,9 @@ class differential {
     static constexpr result<differential> checked(const axle::parts& p) {
         const result<axle> on = axle::checked(p);
         if (!on) return on.error();
-        const result<scale> left = p.left.speed_counts_of_um_per_s(units::r_per_min);
+        if (!is_wheel(p.left) || !is_wheel(p.right)) return errc::out_of_range;
+        const result<scale> left = p.left.speed_counts_of_um_per_s(units::r_per_min); // 6 .. 1.4e-5
         const result<scale> right = p.right.speed_counts_of_um_per_s(units::r_per_min);
-        if (!left || !right || !is_wheel(p.left) || !is_wheel(p.right)) return errc::out_of_range;
         // Speed and turn together are at most twice as much, ten times as many counts, and must convert.
         const std::int32_t most = left->most() < right->most() ? left->most() : right->most();
         differential made;

@@ -25,13 +25,15 @@ struct axis_profile {
     quantity<unit{measure::millisecond}> deceleration{}; ///< from `top` to standstill
     micrometres_per_second start{};                      ///< at which a stepper begins
 
-    constexpr bool is_stored() const { return *this == axis_profile{}; }
-    constexpr bool is_valid() const {
-        const bool has_ramps = acceleration.count() > 0 && deceleration.count() > 0;
-        return is_stored() || (top.count() > 0 && has_ramps && start.count() >= 0 && start <= top);
+    constexpr bool is_stored() const {
+        return top.count() == 0 && acceleration.count() == 0 && deceleration.count() == 0 &&
+               start.count() == 0;
     }
-
-    friend constexpr bool operator==(const axis_profile&, const axis_profile&) = default;
+    /// Of one that is not stored.
+    constexpr bool is_whole() const {
+        return top.count() > 0 && acceleration.count() > 0 && deceleration.count() > 0 &&
+               start.count() >= 0 && start <= top;
+    }
 };
 
 /// Moves to a place, to the nearest count.

@@ -140,11 +140,8 @@ class setpoint_loop {
   private:
     constexpr instant now() const { return drive_->line().now(); }
 
-    // A stop that the drive or its wiring has made, whose end must not let it move again.
-    constexpr bool is_held() const {
-        const stop_cause why = drive_->cause();
-        return why == stop_cause::fault || why == stop_cause::input || why == stop_cause::restart;
-    }
+    // A stop by the drive's wiring, whose end must not let it move again. After a fault or a restart it is not enabled.
+    constexpr bool is_held() const { return drive_->cause() == stop_cause::input; }
     // A setpoint that was not carried out: a wired stop that only shows by that may keep the motor at rest.
     static constexpr bool shows_stop(errc e) {
         return e == errc::not_executed || e == errc::not_reached || e == errc::stopped_short;

@@ -78,8 +78,8 @@ TEST_CASE("a scale that is close to a ratio differs from it by as little as it s
     std::mt19937_64 random{18};
     int made = 0, rounded = 0, refused = 0;
     for (int i = 0; i < 20'000; ++i) {
-        const std::uint64_t a = any(random, 60);
-        const std::uint64_t b = any(random, 60);
+        const std::uint64_t a = any(random, 63);
+        const std::uint64_t b = i % 8 == 0 ? random() | std::uint64_t{1} << 63 : any(random, 63);
         CAPTURE(a);
         CAPTURE(b);
         const result<scale> s = scale::checked_close_to(a, b);
@@ -149,12 +149,28 @@ TEST_CASE("an axis of run-time numbers converts like the constant") {
         CHECK(made->motor_speed_of(v).value_or(motor_speed{}) ==
               constant.motor_speed_of(v).value_or(motor_speed{}));
         CHECK(made->speed_of(motor_speed{x}) == constant.speed_of(motor_speed{x}));
+        for (const std::int32_t per : {1, 4, 10}) {
+            const result<std::int32_t> counts = made->motor_counts_of(v, per);
+            const long double exact = -x * 60.0L * 3.7L / 5080 * per;
+            const bool is_beyond = x > 214'748'364 || x < -214'748'364;
+            CHECK(static_cast<bool>(counts) == !is_beyond);
+            if (counts) CHECK(static_cast<long double>(*counts) - exact <= 0.5001L);
+            if (counts) CHECK(exact - static_cast<long double>(*counts) <= 0.5001L);
+        }
     }
     // Each of the two exact scales may be too fine.
     CHECK(axis::checked(feed::checked(nm(536'870'909), counts_per_turn{1})));
     CHECK(axis::checked(feed::checked(nm(536'870'923), counts_per_turn{1})).error() == errc::out_of_range);
     CHECK(axis::checked(feed::checked(nm(999'983), counts_per_turn{536'870})));
     CHECK(axis::checked(feed::checked(nm(999'983), counts_per_turn{536'871})).error() == errc::out_of_range);
+    // Or either of those of its speeds: a um/s of too many turns, and a turn of too few um.
+    CHECK(axis::checked(feed::checked(nm(1), counts_per_turn{1}, gear_ratio{7000, 1})).error() ==
+          errc::out_of_range);
+    CHECK(axis::checked(feed::checked(nm(1), counts_per_turn{1}, gear_ratio{0xFFFF, 1})).error() ==
+          errc::out_of_range);
+    CHECK(axis::checked(feed::checked(nm(1), counts_per_turn{1}, gear_ratio{1, 1})));
+    const feed once = mirrored(*by);
+    CHECK(mirrored(once).direction() == count_direction::forward);
 }
 
 TEST_CASE("two wheels of run-time numbers are as those of constants") {

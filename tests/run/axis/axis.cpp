@@ -77,6 +77,9 @@ TEST_CASE("what has no count, or no micrometre, is refused at run time too") {
     constexpr auto fine = axis::of(lead(0.1_mm, counts_per_turn{100}));
     CHECK(screw.length_of(far).error() == errc::out_of_range);
     CHECK(fine.motor_speed_of(um_s(far)).error() == errc::out_of_range);
+    CHECK(fine.motor_counts_of(um_s(far / 10 - 1000), 10).error() == errc::out_of_range);
+    const auto over = static_cast<std::int32_t>(214'748'361u + random() % 4);
+    CHECK(of_tenths.motor_counts_of(um_s(over), 10).error() == errc::out_of_range);
     CHECK(belt.counts_of(micrometres{far}).error() == errc::out_of_range);
 }
 

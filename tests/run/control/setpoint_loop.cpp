@@ -485,6 +485,62 @@ TEST_CASE("a consent to a fault reset is used once, though the fault lasts") {
     CHECK_FALSE(t.reports.back().how);
 }
 
+TEST_CASE("what a drive refuses, or is busy for, is said at once, and changes nothing") {
+    rig t;
+    t.enable_and_turn();
+    while (!t.r.drive.is_idle()) t.turn();
+    CHECK(t.loop.begin(z::watchdog{33 * second}) == errc::out_of_range);
+    t.go(300, 30);
+    CHECK(t.is_moving());
+    // The setpoints end, and the command timeout begins a stop.
+    const std::uint64_t end = t.r.wire.time_us() + 1'000'000;
+    bool was_busy = false;
+    while (t.r.wire.time_us() < end && !was_busy) {
+        t.turn();
+        was_busy = !t.r.drive.is_idle() && t.r.drive.cause() == stop_cause::unknown &&
+                   t.r.wire.time_us() > end - 780'000;
+        if (was_busy) CHECK(t.loop.begin(z::watchdog{600 * millisecond}) == errc::busy);
+    }
+    CHECK(was_busy);
+    t.go(1000);
+    CHECK_FALSE(t.is_moving());
+    CHECK(t.loop.begin(z::watchdog{600 * millisecond}) == errc::ok);
+}
+
+TEST_CASE("an enable that a wired stop has overtaken does not allow motion") {
+    rig t;
+    t.go(300);
+    t.loop.enable();
+    while (t.r.drive.is_idle()) t.turn(); // the enable is under way
+    for (const std::uint64_t end = t.r.wire.time_us() + 1'000'000; t.r.wire.time_us() < end;) {
+        if (t.r.drive.is_idle()) t.r.model.set_input(true, false);
+        const duration idle = t.r.drive.step(); // a bus steps it, and the loop commands seldom
+        t.r.wire.wait(idle.us == 0 ? microseconds(10) : idle);
+    }
+    CHECK(t.r.drive.state() == drive_state::quick_stopped);
+    t.go(500, 30);
+    CHECK_FALSE(t.loop.is_motion_allowed());
+    CHECK_FALSE(t.is_moving());
+    CHECK(t.count(loop_part::enable, errc::ok) == 1);
+}
+
+TEST_CASE("a take-over that fails otherwise than before is reported again") {
+    rig t;
+    t.r.wire.set_connected(0, false);
+    t.go(5000);
+    CHECK(t.count(loop_part::take_over, errc::timeout) == 1);
+    t.r.wire.unplug();
+    t.go(3000);
+    CHECK(t.count(loop_part::take_over, errc::port_lost) >= 1); // sent in part, and then not sent
+    CHECK(t.count(loop_part::take_over, errc::port_lost) <= 2);
+    t.r.wire.plug();
+    t.go(5000);
+    CHECK(t.count(loop_part::take_over, errc::timeout) == 2);
+    t.r.wire.set_connected(0, true);
+    t.go(2000);
+    CHECK(t.loop.is_taken_over());
+}
+
 TEST_CASE("G44: after a loss the drive is taken over again, and stays at rest until a consent") {
     rig t;
     t.enable_and_turn();

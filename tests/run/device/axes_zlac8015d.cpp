@@ -121,6 +121,31 @@ TEST_CASE("each axis has its speed, to the nearest count") {
     CHECK(r.model.peek(zlac8015d::left_target_speed.address) == 101);
 }
 
+TEST_CASE("a belt whose speed is not commanded any more stops, and one that is told to stand stands") {
+    rig r;
+    r.enable_for(operating_mode::velocity);
+    const auto live = [&r](std::uint32_t ms) {
+        for (const std::uint64_t end = r.wire.time_us() + ms * 1000; r.wire.time_us() < end;) {
+            const duration idle = r.belts.step();
+            r.wire.wait(idle.us == 0 ? microseconds(10) : idle);
+        }
+    };
+    REQUIRE(r.belts.left().run(travel_at{100_mm_per_s}));
+    live(1000);
+    CHECK_FALSE(r.model.stands_still());
+    REQUIRE(r.belts.left().run(travel_at{0_mm_per_s}));
+    live(2000);
+    CHECK(r.model.stands_still());
+    REQUIRE(r.belts.left().run(travel_at{100_mm_per_s}));
+    live(4000);
+    CHECK_FALSE(r.model.stands_still());
+    live(3000);
+    CHECK(r.model.stands_still());                                             // the command timeout of 5 s
+    CHECK(r.belts.left().begin(travel_at{100_m_per_s}) == errc::out_of_range); // 50 000 r/min
+    r.wire.set_connected(0, false);
+    CHECK_FALSE(r.belts.left().run(travel_at{100_mm_per_s}));
+}
+
 TEST_CASE("G42: an encoder that counts otherwise than the program says: not taken over") {
     rig r{belt, other};
     CHECK(r.belts.run(init{}).error() == errc::unexpected_value);

@@ -162,6 +162,26 @@ TEST_CASE("the speed of a segment is rounded to whole r/min, also of a mirrored 
     }
 }
 
+TEST_CASE("an axis whose speed is not commanded any more stops") {
+    rig r{ram,
+          c630s::encoder_counts::unknown,
+          {.feedback = milliseconds(50), .command_timeout = milliseconds(500)}};
+    r.enable_for(places);
+    REQUIRE(r.drive.run(disable{}));
+    REQUIRE(r.drive.run(c630s::enable_in{c630s::control_mode::speed}));
+    REQUIRE(r.drive.run(travel_at{10_mm_per_s}));
+    const auto live = [&r](std::uint32_t ms) {
+        for (const std::uint64_t end = r.wire.time_us() + ms * 1000; r.wire.time_us() < end;) {
+            const duration idle = r.drive.step();
+            r.wire.wait(idle.us == 0 ? microseconds(10) : idle);
+        }
+    };
+    live(400);
+    CHECK_FALSE(r.model.stands_still());
+    live(2000);
+    CHECK(r.model.stands_still());
+}
+
 TEST_CASE("bad input: nothing is sent") {
     rig r{ram};
     CHECK(r.drive.begin(travel_to{1_mm, quick}) == errc::needs_init);
@@ -170,6 +190,12 @@ TEST_CASE("bad input: nothing is sent") {
     CHECK(r.drive.begin(travel_to{1_mm}) == errc::bad_argument);
     CHECK(r.drive.begin(travel_to{1_mm, {.top = 5_mm_per_s, .acceleration = 10_ms}}) == errc::bad_argument);
     CHECK(r.drive.begin(travel_to{1_mm, {.top = 5_mm_per_s, .start = 1_mm_per_s}}) == errc::bad_argument);
+    CHECK(r.drive.begin(travel_to{1_mm, {.top = 5_mm_per_s, .acceleration = 10_ms, .deceleration = 20_ms}}) ==
+          errc::bad_argument);
+    CHECK(
+        r.drive.begin(travel_to{
+            1_mm, {.top = 5_mm_per_s, .acceleration = 10_ms, .deceleration = 10_ms, .start = 1_mm_per_s}}) ==
+        errc::bad_argument);
     CHECK(r.drive.begin(travel_to{1_mm, {.top = 1_um_per_s, .acceleration = 10_ms, .deceleration = 10_ms}}) ==
           errc::out_of_range);
     CHECK(r.drive.begin(travel_to{1_mm, {.top = 5_mm_per_s}}) == errc::bad_argument);

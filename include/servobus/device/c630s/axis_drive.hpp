@@ -161,8 +161,8 @@ constexpr axis_command move_on_axis(const result<std::int32_t>& counts, const ax
         time{0}}.plan(known);
     c.refusal = first_error(start_segment{axis_model::own_segment}.plan(known).refusal,
                             known.ways == ways ? errc::ok : errc::wrong_state,
-                            by.is_stored() || !by.is_valid() || is_uneven ? errc::bad_argument : errc::ok,
-                            counts.error(), first_error(to.error, c.refusal));
+                            !by.is_whole() || is_uneven ? errc::bad_argument : errc::ok, counts.error(),
+                            first_error(to.error, c.refusal));
     c.starts = true;
     return c;
 }

@@ -83,7 +83,7 @@ struct rounded_profile {
 /// The speeds of a profile have no direction.
 constexpr rounded_profile profile_on(const axis& on, const axis_profile& by, const cached_settings& known) {
     if (by.is_stored()) return {};
-    if (!by.is_valid()) return {{}, errc::bad_argument};
+    if (!by.is_whole()) return {{}, errc::bad_argument};
     const rounded_speed top = speed_on(on, by.top, known);
     const rounded_speed start = speed_on(on, by.start, known);
     const auto size = [&on](speed s) { return on.is_mirrored() ? -s : s; };
