@@ -1,7 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// The interpretations of the C630S's manual under which its safety tests run: the switches of the simulated drive.
+// The interpretations of the C630S's manual under which its safety tests run: the switches of the simulated drive, but for
+// `gear_keeps_rest`, which moves the motor by less than a count of its encoder.
 // The whole product (SERVOBUS_INTERPRETATIONS=whole) is formed of the switches on which a promise may depend. The
 // switches that concern the wire, a unit of measure or a wired terminal change with each choice, so that each
 // of their positions is combined with many choices of the product.
@@ -45,7 +46,7 @@ struct interpretation {
 
 namespace detail {
 inline const std::vector<unsigned> sizes{5, 2, 3, 2, 3, 2, 2, 2, 2, 2, 2, 2};
-inline const std::vector<unsigned> other_sizes{2, 2, 2, 2, 2, 2};
+inline const std::vector<unsigned> other_sizes{2, 2, 2, 2, 2};
 } // namespace detail
 
 /// The number of positions of each switch of `options_of`.
@@ -73,8 +74,7 @@ inline servobus::sim::c630s_options options_of(const choice& c) {
             .bus_voltage_in_volts = c[13] != 0,
             .delay_is_additional = c[14] != 0,
             .disabled_inputs_count = c[15] != 0,
-            .first_output_shows = c[16] != 0,
-            .gear_keeps_rest = c[17] != 0};
+            .first_output_shows = c[16] != 0};
 }
 
 namespace detail {

@@ -130,12 +130,9 @@ class axis {
     constexpr std::uint32_t counts_of_motor_turn() const { return counts_of_turn_; }
 
   private:
-    // Nothing but 0 converts.
-    static constexpr scale refusing = scale::of(0xFFFF'FFFF, 1);
-
     scale um_of_count_ = scale::zero();
-    scale counts_of_um_ = refusing;
-    scale tenths_of_um_per_s_ = refusing;
+    scale counts_of_um_ = scale::refusing();
+    scale tenths_of_um_per_s_ = scale::refusing();
     scale um_per_s_of_tenth_ = scale::zero();
     std::uint32_t counts_of_turn_ = 0;
     std::int8_t sign_ = 1;

@@ -64,7 +64,17 @@ class scale {
         return checked(detail::nearest_of(numerator, parts, denominator), parts);
     }
     /// The ratio 0, to which every number converts: of an axis that was refused.
-    static constexpr scale zero() { return scale{0, 1}; }
+    static constexpr scale zero() {
+        scale none;
+        none.whole_ = 0;
+        return none;
+    }
+    /// A scale that nothing but 0 converts by: likewise.
+    static constexpr scale refusing() {
+        scale none = zero();
+        none.most_ = 0;
+        return none;
+    }
 
     /// Converts `x`: the whole number nearest to `x * numerator / denominator` and the rest of earlier conversions.
     /// Halves are rounded up. `carry` is that rest in parts of the denominator, 0 at first, and is replaced by the new

@@ -70,6 +70,7 @@ struct hold {
         const bool is_time = every >= shortest && every <= longest;
         o.then = effect::crept;
         o.needs = at_rest_and_able; // unless it goes on
+        o.is_absolute = false;      // its target is counted from the position that is seen
         o.aim = aim;
         o.refusal =
             detail::first_error(o.refusal, is_time && target.count() != 0 ? errc::ok : errc::out_of_range,
