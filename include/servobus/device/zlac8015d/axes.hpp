@@ -107,7 +107,7 @@ constexpr axis_command plan_on_wheel(const travel_at& wanted, const axis_place& 
     const std::int32_t n = known.resolution;
     const result<std::int32_t> exact = at.geometry().motor_counts_of(wanted.speed, n);
     const std::int32_t counted = exact.value_or(0);
-    const std::int32_t counts = servobus::detail::is_beyond(counted, 32'767) ? 0 : counted;
+    const std::int32_t counts = counted > 32'767 || counted < -32'767 ? 0 : counted;
     const speed to{counts * (2520 / n)};
     axis_command c = which == wheels::left ? left_velocity{to}.plan(known) : right_velocity{to}.plan(known);
     const errc lost = counts == 0 && wanted.speed.count() != 0 ? errc::out_of_range : errc::ok;
