@@ -103,7 +103,10 @@ constexpr option restore_options[] = {
 };
 
 constexpr option map_options[] = {
-    {"long", "", "a last column: what the register does, a sentence in quotes"},
+    {"long", "", "one more column, description, after unit: what the register does, a sentence in quotes"},
+    {"profile", "",
+     "first the properties of the device, a line \"# key = value\" each: name, addresses, rate, word order, "
+     "limits, gaps, exceptions"},
 };
 
 constexpr command table[] = {
@@ -111,7 +114,8 @@ constexpr command table[] = {
      .words = "DEVICE [REG]",
      .summary = "the register map as CSV, or one register",
      .about = "Prints a row for each register: address, name, words, type, access, whether it is saved, "
-              "when it may be written, when that takes effect, modes, range, default, scale and unit. With "
+              "when it may be written, when that takes effect, modes, range, default, scale, unit, further "
+              "flags, names of codes and bits, and word order. With "
               "REG it prints what that register does, these properties in words, and the names of its codes "
               "or bits.",
      .options = map_options,

@@ -38,6 +38,8 @@ std::size_t note_count();
 std::string hex_word(u16 word);
 /// A whole number, decimal or 0x…; nothing else may stand around it.
 std::optional<std::int64_t> parse_integer(std::string_view text);
+/// An address as programs or manuals write it: 0x2088, 8328, 2088h.
+std::optional<std::int64_t> parse_address(std::string_view text);
 
 struct command;
 

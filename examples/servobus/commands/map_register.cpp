@@ -6,6 +6,7 @@
 
 #include <servobus/registers/format.hpp>
 
+#include "../text/map_text.hpp"
 #include "../text/named_values.hpp"
 
 namespace tool {
@@ -133,8 +134,6 @@ void print_values(const entry& e) {
 }
 
 } // namespace
-
-std::string scale_text(servobus::unit u) { return count_text(1, u); }
 
 void print_register(const device& of, const entry& e) {
     std::printf("%s\n", static_cast<const char*>(e.name));

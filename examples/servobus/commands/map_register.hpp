@@ -8,9 +8,6 @@
 
 namespace tool {
 
-/// The worth of one count without needless zeros: 1, 0.1, 25.
-std::string scale_text(servobus::unit u);
-
 /// Prints what the catalogue has about a register: name and sentence, then a line for each property.
 void print_register(const device& of, const servobus::entry& e);
 

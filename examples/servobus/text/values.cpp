@@ -104,14 +104,6 @@ std::optional<decimal> parse_decimal(std::string_view text) {
     return d;
 }
 
-// An address as programs or manuals write it: 0x2088, 8328, 2088h.
-std::optional<std::int64_t> parse_address(std::string_view text) {
-    if (text.size() < 2 || (text.back() != 'h' && text.back() != 'H')) return parse_integer(text);
-    text.remove_suffix(1);
-    const bool is_hex = text.find_first_not_of("0123456789abcdefABCDEF") == text.npos;
-    return is_hex ? parse_integer("0x" + std::string{text}) : std::nullopt;
-}
-
 // The raw content of a register, as hex; for a signed one its bits.
 std::optional<std::int64_t> parse_content(const entry& e, std::string_view text) {
     const std::optional<std::int64_t> bits = parse_integer(text);
