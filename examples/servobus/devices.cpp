@@ -1,13 +1,17 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// The drives by name.
+// The drives by name, and the devices of files by their paths.
+#include <algorithm>
+#include <deque>
+
 #include <servobus/device/c630s/assignments.hpp>
 #include <servobus/device/c630s/catalogue.hpp>
 #include <servobus/device/yako/closed_loop_catalogue.hpp>
 #include <servobus/device/yako/open_loop_catalogue.hpp>
 #include <servobus/device/zlac8015d/catalogue.hpp>
 
+#include "text/device_file.hpp"
 #include "text/nearest.hpp"
 #include "tool.hpp"
 
@@ -23,6 +27,46 @@ constexpr save_command zlac8015d_save{servobus::zlac8015d::save_parameters.addre
                                       servobus::zlac8015d::mode_of_operation.address}; // [errata B11]
 constexpr save_command yako_save{servobus::yako::auxiliary_command.address,
                                  static_cast<u16>(servobus::yako::auxiliary::save_parameters)};
+
+constexpr std::size_t largest_file = 32'000'000; // bytes
+
+// A device of a file, which the program keeps until it ends.
+struct loaded_device {
+    std::string path;
+    device_file content;
+    device of;
+};
+
+bool is_file(std::string_view word) { return word.find(".csv") != word.npos || word.find('/') != word.npos; }
+
+// Null if `why` says that it cannot be loaded.
+const device* load(std::string_view path, std::string& why) {
+    static std::deque<loaded_device> all;
+    for (const loaded_device& l : all) {
+        if (l.path == path) return &l.of;
+    }
+    const std::string text = read_text_file(std::string{path}, largest_file, why);
+    if (!why.empty()) return nullptr;
+    loaded_device& one = all.emplace_back();
+    one.path = path;
+    why = one.content.parse(path, text);
+    if (!why.empty()) {
+        why = one.path + ':' + why;
+        all.pop_back();
+        return nullptr;
+    }
+    one.of.map = &one.content.map();
+    one.of.file = one.path.c_str();
+    one.of.has_flags = one.content.has_flags();
+    return &one.of;
+}
+
+const device* find_known(std::string_view name) {
+    for (const device& d : devices()) {
+        if (name == d.facts().name) return &d;
+    }
+    return nullptr;
+}
 
 } // namespace
 
@@ -56,20 +100,42 @@ std::span<const device> devices() {
          .most_stored = 200,
          .excludes = servobus::c630s::excludes},
     };
+    static_assert(std::ranges::all_of(known, is_complete_drive),
+                  "a drive of the tool has a map, a simulator, alarms, and rules for rest and stops");
     return known;
 }
 
-const device* find_device(std::string_view name) {
+const device* find_device(std::string_view word) {
+    if (is_file(word)) {
+        std::string why;
+        const device* const of = load(word, why);
+        if (of == nullptr) complain(usage, why);
+        return of;
+    }
+    if (const device* const of = find_known(word)) return of;
     std::vector<std::string_view> names;
     std::string known = "; known: ";
     for (const device& d : devices()) {
-        if (name == d.facts().name) return &d;
         known += names.empty() ? "" : ", ";
         known += d.facts().name;
         names.push_back(d.facts().name);
     }
-    complain(usage, "unknown device '" + std::string{name} + "'" + did_you_mean(name, names, known));
+    complain(usage, "unknown device '" + std::string{word} + "'" + did_you_mean(word, names, known));
     return nullptr;
+}
+
+const device* find_device_quietly(std::string_view word) {
+    std::string why;
+    return is_file(word) ? load(word, why) : find_known(word);
+}
+
+device_word split_device(std::string_view text) {
+    const std::size_t colon = is_file(text) ? text.rfind(':') : text.find(':');
+    if (colon == text.npos) return {text};
+    const std::string_view rest = text.substr(colon + 1);
+    const bool is_in_path = is_file(rest) || rest.find('\\') != rest.npos;
+    if (is_file(text) && is_in_path) return {text};
+    return {text.substr(0, colon), rest};
 }
 
 std::string device::display_name(u16 address) const {

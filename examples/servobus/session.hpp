@@ -34,6 +34,7 @@ struct target {
     const device* kind = nullptr; ///< null: raw
     std::uint8_t node = 1;
     std::uint8_t peer_unit = 0; ///< 0 or 255, if `node` is `peer_address`
+    bool has_node = false;      ///< the command line names it
 
     bool is_peer() const { return node == servobus::modbus::peer_address; }
 
@@ -136,7 +137,7 @@ class session {
     servobus::status write_coils(u16 address, std::span<const u16> coils);
     bool is_stop(const chosen& what, std::span<const u16> words) const;
     void forget();
-    void swap_pair(std::span<u16> pair) const;
+    void swap_pair(const servobus::entry& row, std::span<u16> pair) const;
 
     static constexpr servobus::table holding = servobus::table::holding_registers;
 

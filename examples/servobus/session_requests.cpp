@@ -150,7 +150,7 @@ servobus::status session::write_coils(u16 address, std::span<const u16> coils) {
 }
 
 bool session::is_stop(const chosen& what, std::span<const u16> words) const {
-    return kind_ != nullptr && words.size() == 1 && kind_->stops(what.address, words[0]);
+    return kind_ != nullptr && words.size() == 1 && kind_->is_stop(what.address, words[0]);
 }
 
 servobus::status session::learn_word_order() {
@@ -176,8 +176,10 @@ servobus::status session::ask_wear(bool& wears) {
     return {};
 }
 
-void session::swap_pair(std::span<u16> pair) const {
-    if (word_order_ == servobus::word_order::low_first) std::swap(pair[0], pair[1]);
+void session::swap_pair(const servobus::entry& row, std::span<u16> pair) const {
+    const bool is_own = row.own_word_order != servobus::word_order::unknown;
+    const servobus::word_order order = is_own ? row.own_word_order : word_order_;
+    if (order == servobus::word_order::low_first) std::swap(pair[0], pair[1]);
 }
 
 servobus::status session::read(const chosen& what, std::span<u16> words) {
@@ -201,7 +203,7 @@ servobus::status session::read(std::span<const servobus::entry* const> rows, std
         if (is_again) return {servobus::errc::needs_word_order};
     }
     for (const servobus::entry* row : rows) {
-        if (row->words() == 2) swap_pair(words.first(2));
+        if (row->words() == 2) swap_pair(*row, words.first(2));
         words = words.subspan(row->words());
     }
     return {};
@@ -219,7 +221,7 @@ servobus::status session::write_now(const chosen& what, std::span<const u16> wor
     if (what.row != nullptr && what.row->words() == 2) {
         const servobus::status why = learn_word_order();
         if (why.error() != servobus::errc::ok) return why.with_sent(false);
-        swap_pair(sent);
+        swap_pair(*what.row, sent);
     }
     // Whose answer may be the last at this address is asked first, so that no echo passes for it.
     if (what.row != nullptr && has(what.row->flags, servobus::flag::communication) &&

@@ -100,26 +100,49 @@ struct alarm_row {
     servobus::advice what;
 };
 
-/// A drive that the tool knows.
+/// A drive that the tool knows, or a device from a file. The four functions after the map are null for a file.
 struct device {
-    const servobus::catalogue* map;
-    int (*simulate)(const simulation&);
-    std::vector<alarm_row> (*alarms)();
-    repose (*at_rest)(session&);
-    bool (*stops)(u16 address, u16 word);            ///< a write that stops the motor and does nothing else
+    const servobus::catalogue* map = nullptr;
+    int (*simulate)(const simulation&) = nullptr;
+    std::vector<alarm_row> (*alarms)() = nullptr;
+    repose (*at_rest)(session&) = nullptr;
+    bool (*stops)(u16 address, u16 word) = nullptr;  ///< a write that stops the motor and does nothing else
     std::optional<save_command> save = std::nullopt; ///< none: every write is kept
     int (*number)(std::string_view) = nullptr;       ///< the address of a parameter number
     unsigned most_stored = 0;                        ///< writes into the EEPROM without an alarm; 0: any
     bool (*excludes)(u16 one, u16 other) = nullptr;  ///< registers that may not both hold a word above 0
+    const char* file = nullptr;                      ///< its path; null for a drive that the tool knows
+    bool has_flags = true;                           ///< false: nothing says which registers move a machine
 
     const servobus::profile& facts() const { return *map->device; }
+    /// As the command line names it: its name, or the path of its file.
+    std::string word() const { return file != nullptr ? file : facts().name; }
+    /// True for a write that stops the motor and does nothing else.
+    bool is_stop(u16 address, u16 word) const { return stops != nullptr && stops(address, word); }
     /// The name of a register, and its address.
     std::string display_name(u16 address) const;
 };
 
+/// True for a drive of the tool's own whose row says all that a command asks of it.
+constexpr bool is_complete_drive(const device& d) {
+    return d.map != nullptr && d.simulate != nullptr && d.alarms != nullptr && d.at_rest != nullptr &&
+           d.stops != nullptr && d.file == nullptr && d.has_flags;
+}
+
+/// The drives that the tool knows, without those of files.
 std::span<const device> devices();
-/// Complains by itself.
-const device* find_device(std::string_view name);
+/// The drive of that name, or the device of a file; a word with `.csv` or `/` is a file's path. The same word is the same
+/// device. Complains by itself.
+const device* find_device(std::string_view word);
+/// As above, but null without a complaint.
+const device* find_device_quietly(std::string_view word);
+
+/// DEVICE[:NODE] in its parts. The colon of `C:/meter.csv` is none before a node.
+struct device_word {
+    std::string_view name;
+    std::optional<std::string_view> node{};
+};
+device_word split_device(std::string_view text);
 
 // rest.cpp: the rules, one for each drive.
 repose zlac8015d_at_rest(session& on);

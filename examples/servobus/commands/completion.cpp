@@ -88,20 +88,17 @@ answer ports(std::string_view begun) {
     return a;
 }
 
-answer device_names(const command& of) {
+// Another word is completed as a file.
+answer device_names(const command& of, std::string_view begun) {
     answer a;
     for (const device& d : devices()) a.candidates.emplace_back(d.facts().name);
     if (of.takes_raw) a.candidates.emplace_back("raw");
-    return a;
+    const auto begins = [&](const std::string& candidate) { return candidate.starts_with(begun); };
+    return std::ranges::any_of(a.candidates, begins) ? a : files();
 }
 
-// The device on the command line; null if there is none with a map. Does not complain, as find_device does.
-const device* device_of(std::string_view word) {
-    for (const device& d : devices()) {
-        if (word.substr(0, word.find(':')) == d.facts().name) return &d;
-    }
-    return nullptr;
-}
+// The device on the command line; null if there is none with a map.
+const device* device_of(std::string_view word) { return find_device_quietly(split_device(word).name); }
 
 enum class register_use { show, read, write };
 
@@ -151,7 +148,7 @@ answer word_of(const command& of, std::span<const std::string> before, std::stri
     if (is_past && !places.back().ends_with("...")) return {};
     const std::string_view place = is_past ? places.back() : places[index];
     if (place.starts_with("PORT")) return ports(begun);
-    if (place.starts_with("DEVICE")) return device_names(of);
+    if (place.starts_with("DEVICE")) return device_names(of, begun);
     if (place.find("FILE") != place.npos) return files();
     if (place == "[REG]") return registers(device_of(before[0]), begun, register_use::show, {});
     if (place.starts_with("REG")) {

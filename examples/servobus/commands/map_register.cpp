@@ -137,7 +137,9 @@ void print_values(const entry& e) {
 
 void print_register(const device& of, const entry& e) {
     std::printf("%s\n", static_cast<const char*>(e.name));
-    std::printf("%s\n\n", of.map->sentence(e.address));
+    const std::string_view sentence = of.map->sentence(e.address);
+    if (!sentence.empty()) std::printf("%s\n", sentence.data());
+    std::printf("\n");
     print_line("address", address_text(of, e));
     print_line("type", std::string{text(e.kind)} + (e.words() == 2 ? ", two registers" : ""));
     print_line("access", access_text(e.rights));

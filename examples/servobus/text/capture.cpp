@@ -50,7 +50,7 @@ std::optional<line_devices> line_devices::parse(std::span<const std::string> wor
         }
         if (&word == words.data()) all.first_ = *one;
         all.longest_response_ = longer_of(all.longest_response_, one->facts().limits.response);
-        const bool has_node = word.find(':') != word.npos;
+        const bool has_node = one->has_node;
         if (has_node ? is_named[one->node] : has_others) {
             complain(usage, has_node ? "two devices at address " + std::to_string(one->node)
                                      : "two devices for the addresses that are not named");

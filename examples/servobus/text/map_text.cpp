@@ -84,6 +84,12 @@ std::string names_cell(const entry& e) {
     return all;
 }
 
+const char* order_cell(const entry& e, const servobus::profile& of) {
+    if (e.words() == 1) return "";
+    const bool is_own = e.own_word_order != servobus::word_order::unknown;
+    return is_own || of.word_order_register != 0 ? word_order_text(e.own_word_order) : "";
+}
+
 std::string milliseconds(servobus::duration d) {
     char room[32];
     servobus::text_writer text{room};
@@ -140,8 +146,7 @@ std::string map_row(const entry& e, const servobus::profile& of, const char* sen
         const std::string quoted = cell(sentence);
         row += quoted.starts_with('"') ? ',' + quoted : ",\"" + quoted + '"';
     }
-    const bool is_selectable = e.words() == 2 && of.word_order_register != 0;
-    return row + ',' + flags_cell(e) + ',' + cell(names_cell(e)) + ',' + (is_selectable ? "selectable" : "");
+    return row + ',' + flags_cell(e) + ',' + cell(names_cell(e)) + ',' + order_cell(e, of);
 }
 
 std::string profile_lines(const servobus::profile& of) {

@@ -175,7 +175,7 @@ std::optional<chosen> parse_register(const target& of, std::string_view text) {
         usage,
         device_name + " has no register '" + std::string{text} + "'" +
             did_you_mean(text, names,
-                         "; servobus map " + device_name + " lists them" +
+                         "; servobus map " + of.kind->word() + " lists them" +
                              (of.kind->number != nullptr ? ", a parameter number is written P0B-17" : "")));
     return std::nullopt;
 }
