@@ -55,7 +55,8 @@ const device* load(std::string_view path, std::string& why) {
         all.pop_back();
         return nullptr;
     }
-    one.of.map = &one.content.map();
+    one.of.tables = one.content.tables().data();
+    one.of.map = &one.content.tables()[static_cast<std::size_t>(servobus::table::holding_registers)];
     one.of.file = one.path.c_str();
     one.of.has_flags = one.content.has_flags();
     return &one.of;

@@ -47,7 +47,7 @@ struct chosen {
     u16 address = 0;
     u16 words = 1;                        ///< or bits
     const servobus::entry* row = nullptr; ///< null: raw
-    raw_form form{};                      ///< of raw: what it is
+    raw_form form{};                      ///< of raw: what it is; of a row: its table
 };
 
 /// These complain by themselves.
@@ -62,7 +62,7 @@ std::vector<chosen> parse_readable(const target& of, const arguments& asked);
 std::optional<servobus::character_format> parse_format(std::string_view text);
 
 /// A row of the map as if it had been chosen.
-chosen choose(const servobus::entry& row);
+chosen choose(const servobus::entry& row, servobus::table in = servobus::table::holding_registers);
 
 /// The names of a register's codes or bits, as VALUE takes them.
 std::vector<std::string> names_of(const servobus::entry& row);
@@ -94,6 +94,8 @@ class session {
     using line_type = servobus::line<any_port, servobus::counters, servobus::echoed>;
     using client_type = servobus::client<line_type, any_device, any_node>;
 
+    static constexpr servobus::table holding = servobus::table::holding_registers;
+
     session() = default;
     session(const session&) = delete;
     session& operator=(const session&) = delete;
@@ -104,8 +106,9 @@ class session {
 
     /// Errors: those of `client::read_words`; `unexpected_value` if the drive's word order is none.
     servobus::status read(const chosen& what, std::span<u16> words);
-    /// Adjacent rows of the map in one request.
-    servobus::status read(std::span<const servobus::entry* const> rows, std::span<u16> words);
+    /// Adjacent rows of a table in one request.
+    servobus::status read(std::span<const servobus::entry* const> rows, std::span<u16> words,
+                          servobus::table from = holding);
     /// `not_sent` or `refused` also if the word order could not be read.
     servobus::status write(const chosen& what, std::span<const u16> words);
 
@@ -138,8 +141,6 @@ class session {
     bool is_stop(const chosen& what, std::span<const u16> words) const;
     void forget();
     void swap_pair(const servobus::entry& row, std::span<u16> pair) const;
-
-    static constexpr servobus::table holding = servobus::table::holding_registers;
 
     const servobus::profile* facts_ = nullptr;
     const device* kind_ = nullptr; ///< null: raw

@@ -184,10 +184,11 @@ void session::swap_pair(const servobus::entry& row, std::span<u16> pair) const {
 
 servobus::status session::read(const chosen& what, std::span<u16> words) {
     if (what.row == nullptr) return read_raw(what.address, words, what.form.table);
-    return read({&what.row, 1}, words);
+    return read({&what.row, 1}, words, what.form.table);
 }
 
-servobus::status session::read(std::span<const servobus::entry* const> rows, std::span<u16> words) {
+servobus::status session::read(std::span<const servobus::entry* const> rows, std::span<u16> words,
+                               servobus::table from) {
     const bool has_pair = std::ranges::any_of(rows, [](const auto* row) { return row->words() == 2; });
     const bool needs_order = has_pair && facts_->word_order_register != 0;
     for (bool is_again = false;; is_again = true) {
@@ -195,7 +196,7 @@ servobus::status session::read(std::span<const servobus::entry* const> rows, std
             const servobus::status why = learn_word_order();
             if (why.error() != servobus::errc::ok) return why;
         }
-        const servobus::status why = read_raw(rows[0]->address, words);
+        const servobus::status why = read_raw(rows[0]->address, words, from);
         if (why.error() != servobus::errc::ok) return why;
         // The port was lost meanwhile, and the word order with it.
         const bool is_forgotten = needs_order && word_order_ == servobus::word_order::unknown;
@@ -227,7 +228,7 @@ servobus::status session::write_now(const chosen& what, std::span<const u16> wor
     if (what.row != nullptr && has(what.row->flags, servobus::flag::communication) &&
         !line_->is_echo_ruled_out()) {
         u16 word = 0;
-        const servobus::status why = read_raw(what.address, {&word, 1});
+        const servobus::status why = read_raw(what.address, {&word, 1}, what.form.table);
         if (!line_->is_echo_ruled_out()) return why.with_sent(false);
     }
     const servobus::status w = write_once(what, sent);
@@ -235,7 +236,8 @@ servobus::status session::write_now(const chosen& what, std::span<const u16> wor
     if (w.outcome() == servobus::outcome::unknown && !is_stop(what, words) && port_.is_network())
         is_lost_ = port_.reconnect() != servobus::errc::ok;
     const auto covers = [&](u16 address) {
-        return address != 0 && address >= what.address && address - what.address < what.words;
+        return address != 0 && what.form.table == holding && address >= what.address &&
+               address - what.address < what.words;
     };
     if (w.outcome() == servobus::outcome::unknown || covers(facts_->word_order_register) ||
         covers(facts_->eeprom_switch))

@@ -113,8 +113,18 @@ struct device {
     bool (*excludes)(u16 one, u16 other) = nullptr;  ///< registers that may not both hold a word above 0
     const char* file = nullptr;                      ///< its path; null for a drive that the tool knows
     bool has_flags = true;                           ///< false: nothing says which registers move a machine
+    /// Of a file: the rows of all tables, in the order of `servobus::table`; those of holding registers are `map`.
+    const servobus::catalogue* tables = nullptr;
 
     const servobus::profile& facts() const { return *map->device; }
+    /// The rows of a table; a drive that the tool knows has those of holding registers alone.
+    std::span<const servobus::entry> rows_of(servobus::table t) const {
+        if (tables != nullptr) return tables[static_cast<std::size_t>(t)].entries;
+        return t == servobus::table::holding_registers ? map->entries : std::span<const servobus::entry>{};
+    }
+    const char* sentence(u16 address, servobus::table t) const {
+        return (tables != nullptr ? tables[static_cast<std::size_t>(t)] : *map).sentence(address);
+    }
     /// As the command line names it: its name, or the path of its file.
     std::string word() const { return file != nullptr ? file : facts().name; }
     /// True for a write that stops the motor and does nothing else.
@@ -122,6 +132,10 @@ struct device {
     /// The name of a register, and its address.
     std::string display_name(u16 address) const;
 };
+
+inline constexpr servobus::table all_tables[] = {servobus::table::coils, servobus::table::discrete_inputs,
+                                                 servobus::table::holding_registers,
+                                                 servobus::table::input_registers};
 
 /// True for a drive of the tool's own whose row says all that a command asks of it.
 constexpr bool is_complete_drive(const device& d) {

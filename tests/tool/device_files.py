@@ -13,7 +13,7 @@ from programs import Tool, play_tool, scene
 
 DEVICES = "zlac8015d", "yako-closed-loop", "yako-open-loop", "c630s"
 FULL = ("address,name,words,type,access,saved,when,effective,modes,min,max,default,scale,unit,description,"
-        "flags,names,word_order")
+        "flags,names,word_order,table")
 MANY_SECONDS = 20  # a second is usual, without optimisation and on a busy machine a few
 
 
@@ -63,7 +63,7 @@ def one_register_of_a_file(tool: Tool):
     tool.says("a register in words", "map meter.csv voltage", "voltage", 'Between L1, "N".', "", "address    0x0010",
               "type       u16", "access     read-only", "unit       0.1 V")
     tool.says("with its sentence in quotes", "map meter.csv --long", FULL,
-              '0x0010,voltage,1,u16,ro,no,,,,,,,0.1,V,"Between L1, ""N"".",,,')
+              '0x0010,voltage,1,u16,ro,no,,,,,,,0.1,V,"Between L1, ""N"".",,,,holding')
     tool.fails("an unknown one", "map meter.csv amperage", 2,
                "meter has no register 'amperage'; servobus map meter.csv lists them")
     tool.fails("one of a name nearby", "map meter.csv votlage", 2, "did you mean voltage?")
@@ -74,7 +74,7 @@ def one_register_of_a_file(tool: Tool):
     tool.fails("and no simulator", "sim meter.csv", 2, "meter.csv has no simulator")
 
 
-HEAD = "address,name,type,access,min,max,default,scale,unit,saved,when,effective,modes,flags,names,word_order,words\n"
+HEAD = "address,name,type,access,min,max,default,scale,unit,saved,when,effective,modes,flags,names,word_order,words,table\n"
 
 
 def row(**cells: str) -> str:
@@ -171,6 +171,18 @@ WRONG = [
     (HEAD + row(word_order="low"), 2, "word_order is for u32 and i32"),
     (HEAD + row(word_order="big", type="u32"), 2, "word_order takes high, low, selectable or nothing"),
     (HEAD + row(word_order="selectable", type="u32"), 2, "no line '# word_order_register = ADDRESS'"),
+    (HEAD + row(table="coils"), 2, "table takes coil, discrete, holding or input, not 'coils'"),
+    (HEAD + row(type="bool"), 2, "type 'bool' and table holding contradict each other"),
+    (HEAD + row(type="u16", table="coil"), 2, "type 'u16' and table coil contradict each other"),
+    (HEAD + row(access="rw", table="input"), 2, "access rw and table input contradict each other"),
+    (HEAD + row(access="wo", table="discrete"), 2, "access wo and table discrete contradict each other"),
+    (HEAD + row(unit="V", table="coil"), 2, "a bit has neither scale nor unit"),
+    (HEAD + row(names="hex", table="coil"), 2, "a bit has neither halves nor hex"),
+    (HEAD + row(names="2=x", table="coil"), 2, "'2' is no code of bool"),
+    (HEAD + row(min="0", max="2", table="coil"), 2, "the range 0 .. 2 is not inside bool, 0 .. 1"),
+    (HEAD + row(words="2", table="coil"), 2, "words is '2', but bool has 1"),
+    (HEAD + row(table="input") + row(name="b", table="input"), 3, "is taken by the row in line 2"),
+    (HEAD + row(table="input") + row(table="coil"), 3, "the name speed is there twice, first in line 2"),
     (HEAD + row() + row(name="b", address="\033[31m"), 3, "a control character (1Bh)"),
 ]
 # The same of lines of the profile, in front of a file that is good.

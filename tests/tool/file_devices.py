@@ -77,6 +77,66 @@ def meter(tool: Tool):
         tool.check("and no switch is read", all(pdu[:3] != b"\3\0\0" for pdu in device.requests))
 
 
+PLANT = """# word_order = low
+address,name,table,type,access,unit,names,flags,description
+12,pump,coil,bool,rw,,,motion,"Runs the pump."
+13,valve,coil,,rw,,0=shut;1=open,,"Opens the valve."
+4,level_high,discrete,,,,,,"The tank is full."
+5,door,discrete,bool,ro,,0=closed;1=open,,"The door."
+0x30,level,input,u16,ro,mm,,,"Of the tank."
+0x31,volume,input,u32,ro,,,,"Of the tank."
+0x30,setpoint,holding,,rw,mm,,,"Of the level."
+"""
+
+
+@scene()
+def all_tables(tool: Tool):
+    """Each table by its own functions; a plain address is that of a holding register."""
+    tool.write("plant.csv", PLANT)
+    device = Device()
+    device.coils[12] = True
+    device.holding[0x30] = 7
+    names = "pump valve level_high door level volume setpoint"
+    shown = ["pump=on", "valve=shut (0x0000)", "level_high=off", "door=closed (0x0000)", "level=4144 mm",
+             f"volume={0x10321031}", "setpoint=7 mm"]
+    with on_terminal(device) as port:
+        tool.says("read", f"read {port} plant.csv {names} {WAIT}", *shown)
+        tool.is_equal("by these functions", [pdu[0] for pdu in device.requests], [1, 1, 2, 2, 4, 4, 3])
+        tool.says("by addresses", f"read {port} plant.csv coil:12 input:0x31 0x30 holding:48 discrete:5h {WAIT}",
+                  "pump=on", f"volume={0x10321031}", "setpoint=7 mm", "setpoint=7 mm", "door=closed (0x0000)")
+        tool.fails("an address of another table", f"read {port} plant.csv input:12", 2, "has no register 'input:12'")
+        tool.fails("of a pair", f"read {port} plant.csv input:0x32", 2, "is the second word of volume")
+        tool.run(f"read {port} plant.csv pump valve level --csv {WAIT}")
+        tool.check("as CSV", tool.last.lines[0].endswith(",pump,valve,level (mm)") and
+                   tool.last.lines[1].endswith(",1,0,4144"))
+        device.requests.clear()
+        tool.says("write", f"write {port} plant.csv valve=open setpoint=9 {WAIT}", "valve=open (0x0001)", "setpoint=9 mm")
+        tool.is_equal("a coil by 05, a register by 06", writes_of(device), ["05000dff00", "0600300009"])
+        device.requests.clear()
+        tool.run(f"write {port} plant.csv pump=off", stdin="no\n")
+        tool.err_has("a coil with the flag motion asks", "pump moves the motor of an enabled drive")
+        tool.is_equal("and is not written", writes_of(device), [])
+        tool.says("but with --yes", f"write {port} plant.csv pump=off --yes {WAIT}", "pump=off")
+        tool.is_equal("by 05", writes_of(device), ["05000c0000"])
+        for words, text in [("pump=2", "'2' is outside 0 .. 1"), ("pump=maybe", "'maybe' is neither on nor off"),
+                            ("valve=ajar", "'ajar' is none of 0 shut, 1 open"), ("door=open", "read-only"),
+                            ("level=1", "read-only")]:
+            tool.fails(f"write {words}", f"write {port} plant.csv {words}", 2, text)
+        tool.run(f"backup {port} plant.csv {WAIT}")
+        tool.check("backup: holding registers", [line.split("=")[0] for line in tool.last.lines[1:-1]] == ["setpoint"])
+    shown = tool.run("map plant.csv --long --profile").out
+    tool.write("again.csv", shown.replace("name = plant", "name = again"))
+    tool.is_equal("map, file, map", tool.run("map again.csv --long --profile").out.replace("= again", "= plant"), shown)
+    tool.check("map: a coil", "0x000C,pump,1,bool,rw,no,,,,,,,1,,\"Runs the pump.\",motion,,,coil\n" in shown)
+    tool.says("map: a coil in words", "map plant.csv pump", "pump", "Runs the pump.", "", "address    0x000C",
+              "table      coil", "type       bool", "access     read and write", "range      not stated",
+              "default    not stated", "written    the manual does not say when",
+              "note       a write moves an enabled motor")
+    tool.run("explain plant.csv", stdin="> 01 04 00 30 00 01 31 C5" + "\n" + "> 01 03 00 30 00 01 84 05" + "\n")
+    tool.out_is("explain: inputs and holding registers", "node 1: read level (0x0030) as input registers",
+                "node 1: read setpoint (0x0030)")
+
+
 @scene()
 def consent(tool: Tool):
     """A write that may move a machine asks; so does every write where the file does not say what does."""

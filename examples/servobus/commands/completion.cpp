@@ -110,24 +110,28 @@ answer registers(const device* of, std::string_view begun, register_use wanted,
     answer a{.kind = is_write ? "open" : "words", .candidates = {}};
     if (of == nullptr) return a;
     const std::size_t equals = begun.find('=');
-    for (const servobus::entry& e : of->map->entries) {
-        const std::string name{static_cast<const char*>(e.name)};
-        if (is_write && equals != begun.npos) {
-            if (name != begun.substr(0, equals)) continue;
-            const bool is_code =
-                std::ranges::all_of(e.values, [](const auto& v) { return v.mask == 0xFFFF; });
-            const std::string before = name + "=";
-            const std::string_view value = begun.substr(equals + 1);
-            a = list_of(value, is_code ? '\0' : '+', names_of(e));
-            if (is_code) a.kind = "words";
-            for (std::string& candidate : a.candidates) candidate.insert(0, before);
-            return a;
+    for (const servobus::table t : all_tables) {
+        for (const servobus::entry& e : of->rows_of(t)) {
+            const std::string name{static_cast<const char*>(e.name)};
+            if (is_write && equals != begun.npos) {
+                if (name != begun.substr(0, equals)) continue;
+                const bool is_code =
+                    std::ranges::all_of(e.values, [](const auto& v) { return v.mask == 0xFFFF; });
+                const std::string before = name + "=";
+                const std::string_view value = begun.substr(equals + 1);
+                a = list_of(value, is_code ? '\0' : '+', names_of(e));
+                if (is_code) a.kind = "words";
+                for (std::string& candidate : a.candidates) candidate.insert(0, before);
+                return a;
+            }
+            if (is_write && e.rights == servobus::access::ro) continue;
+            if (wanted == register_use::read && e.rights == servobus::access::wo) continue;
+            const auto is_it = [&](const std::string& word) {
+                return word.substr(0, word.find('=')) == name;
+            };
+            if (std::ranges::none_of(given, is_it))
+                a.candidates.push_back(name + (is_write ? "=\t" : "\t") + of->sentence(e.address, t));
         }
-        if (is_write && e.rights == servobus::access::ro) continue;
-        if (wanted == register_use::read && e.rights == servobus::access::wo) continue;
-        const auto is_it = [&](const std::string& word) { return word.substr(0, word.find('=')) == name; };
-        if (std::ranges::none_of(given, is_it))
-            a.candidates.push_back(name + (is_write ? "=\t" : "\t") + of->map->sentence(e.address));
     }
     return a;
 }

@@ -24,13 +24,17 @@ int map(const arguments& asked) {
                                        " is for the whole map, without REG");
         const std::optional<chosen> one = parse_register({.kind = of}, words[1]);
         if (!one) return usage;
-        print_register(*of, *one->row);
+        print_register(*of, *one);
         return done;
     }
     if (has_profile) (void)std::fputs(profile_lines(of->facts()).c_str(), stdout);
     (void)std::puts(map_header(is_long).c_str());
-    for (const servobus::entry& e : of->map->entries)
-        (void)std::puts(map_row(e, of->facts(), is_long ? of->map->sentence(e.address) : nullptr).c_str());
+    for (const servobus::table t : all_tables) {
+        for (const servobus::entry& e : of->rows_of(t)) {
+            const char* const sentence = is_long ? of->sentence(e.address, t) : nullptr;
+            (void)std::puts(map_row(e, of->facts(), sentence, t).c_str());
+        }
+    }
     return done;
 }
 

@@ -312,11 +312,13 @@ int refuse_moving(const device& of) {
     const std::string refused = of.word() + ": restore is refused, since ";
     if (!of.has_flags)
         return complain(usage, refused + "the file has no column flags, which says what moves a machine");
-    for (const servobus::entry& e : of.map->entries) {
-        if (has(e.flags, flag::motion))
-            return complain(usage,
-                            refused + name_of(e) +
-                                " moves a motor, and a file does not say how to see that it is at rest");
+    for (const servobus::table t : all_tables) {
+        for (const servobus::entry& e : of.rows_of(t)) {
+            if (has(e.flags, flag::motion))
+                return complain(usage,
+                                refused + name_of(e) +
+                                    " moves a motor, and a file does not say how to see that it is at rest");
+        }
     }
     return done;
 }

@@ -111,14 +111,14 @@ std::string device_file::take_header() {
 }
 
 std::string device_file::take_rows() {
-    line_of_address_.assign(0x1'0000, 0);
     while (!lines_.is_at_end()) {
         line_ = lines_.next();
         if (is_comment(line_) || is_empty_line(line_)) continue;
         std::string why = is_key(line_) ? "a line '# key = value' stands before the header line" : take_row();
         if (!why.empty()) return at_line(lines_.number(), why);
     }
-    return rows_.empty() ? at_line(lines_.number(), "there is no row after the header line") : std::string{};
+    return line_of_name_.empty() ? at_line(lines_.number(), "there is no row after the header line")
+                                 : std::string{};
 }
 
 std::string device_file::take_row() {
@@ -147,20 +147,22 @@ std::string device_file::add(const device_row& row, std::string_view sentence) {
     const auto [first, is_new] = line_of_name_.emplace(name, lines_.number());
     if (!is_new)
         return "the name " + name + " is there twice, first in line " + std::to_string(first->second);
-    if (std::string why = take_addresses(row.entry); !why.empty()) return name + ": " + why;
+    if (std::string why = take_addresses(row.entry, row.table); !why.empty()) return name + ": " + why;
     found_row found{row.entry, has_column(map_column::description) ? keep(sentence) : nullptr};
     if (!row.names.empty()) {
         std::vector<servobus::named_value>& all = values_.emplace_back();
         for (const cell_name& n : row.names) all.push_back({n.mask, n.value, keep(n.name)});
         found.entry.values = all;
     }
-    rows_.push_back(found);
+    found_[static_cast<std::size_t>(row.table)].rows.push_back(found);
     return {};
 }
 
-std::string device_file::take_addresses(const servobus::entry& e) {
+std::string device_file::take_addresses(const servobus::entry& e, servobus::table in) {
+    std::vector<std::uint32_t>& lines = found_[static_cast<std::size_t>(in)].line_of_address;
+    if (lines.empty()) lines.assign(0x1'0000, 0);
     for (std::size_t i = 0; i < e.words(); ++i) {
-        std::uint32_t& line = line_of_address_[e.address + i];
+        std::uint32_t& line = lines[e.address + i];
         const std::string shown = hex_word(static_cast<u16>(e.address + i));
         if (line != 0) return "the address " + shown + " is taken by the row in line " + std::to_string(line);
         line = static_cast<std::uint32_t>(lines_.number());
@@ -169,16 +171,19 @@ std::string device_file::take_addresses(const servobus::entry& e) {
 }
 
 void device_file::finish() {
-    std::ranges::sort(rows_, {}, [](const found_row& r) { return r.entry.address; });
-    for (const found_row& r : rows_) {
-        entries_.push_back(r.entry);
-        if (r.sentence != nullptr) descriptions_.push_back({r.entry.address, r.sentence});
+    for (std::size_t i = 0; i < found_.size(); ++i) {
+        found_table& t = found_[i];
+        std::ranges::sort(t.rows, {}, [](const found_row& r) { return r.entry.address; });
+        for (const found_row& r : t.rows) {
+            t.entries.push_back(r.entry);
+            if (r.sentence != nullptr) t.descriptions.push_back({r.entry.address, r.sentence});
+        }
+        tables_[i] = {&profile_.facts(), t.entries, t.descriptions};
+        // Only the parser needs these.
+        t.rows = {};
+        t.line_of_address = {};
     }
-    map_ = {&profile_.facts(), entries_, descriptions_};
-    // Only the parser needs these.
-    rows_ = {};
     line_of_name_.clear();
-    line_of_address_ = {};
     cells_.clear();
     line_ = {};
     lines_ = csv::lines{{}};

@@ -30,7 +30,8 @@ class device_file {
     /// wrong, `LINE: why`; empty if nothing is.
     std::string parse(std::string_view path, std::string_view text);
 
-    const servobus::catalogue& map() const { return map_; }
+    /// The rows of each table, in the order of `servobus::table`.
+    const std::array<servobus::catalogue, 4>& tables() const { return tables_; }
     /// True if the file has the column `flags`. Without it nothing says what moves a machine.
     bool has_flags() const { return has_column(map_column::flags); }
 
@@ -39,6 +40,12 @@ class device_file {
         servobus::entry entry;
         const char* sentence;
     };
+    struct found_table {
+        std::vector<std::uint32_t> line_of_address{}; // empty while there is no row
+        std::vector<found_row> rows{};
+        std::vector<servobus::entry> entries{};
+        std::vector<servobus::description> descriptions{};
+    };
 
     bool has_column(map_column column) const { return place_of_[static_cast<std::size_t>(column)] != absent; }
     std::string take_profile(std::string_view path);
@@ -46,7 +53,7 @@ class device_file {
     std::string take_rows();
     std::string take_row();
     std::string add(const device_row& row, std::string_view sentence);
-    std::string take_addresses(const servobus::entry& e);
+    std::string take_addresses(const servobus::entry& e, servobus::table in);
     void finish();
     std::string at_line(std::size_t number, const std::string& why) const;
     const char* keep(std::string_view text);
@@ -62,14 +69,11 @@ class device_file {
     owned_profile profile_{};
     std::map<std::string, std::size_t, std::less<>> line_of_key_{};
     std::map<std::string, std::size_t, std::less<>> line_of_name_{};
-    std::vector<std::uint32_t> line_of_address_{};
 
     std::deque<std::string> texts_{};
     std::deque<std::vector<servobus::named_value>> values_{};
-    std::vector<found_row> rows_{};
-    std::vector<servobus::entry> entries_{};
-    std::vector<servobus::description> descriptions_{};
-    servobus::catalogue map_{};
+    std::array<found_table, 4> found_{};
+    std::array<servobus::catalogue, 4> tables_{};
 };
 
 /// The whole content of a file. Sets `why` if it cannot be read, is no file (a folder, a port) or has more than `most`

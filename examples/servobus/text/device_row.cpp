@@ -82,11 +82,11 @@ class row_reader {
 
     std::string read() {
         using step = std::string (row_reader::*)();
-        constexpr step steps[] = {&row_reader::name,  &row_reader::place,   &row_reader::type,
-                                  &row_reader::words, &row_reader::rights,  &row_reader::times,
-                                  &row_reader::modes, &row_reader::flags,   &row_reader::unit,
-                                  &row_reader::range, &row_reader::initial, &row_reader::names,
-                                  &row_reader::order};
+        constexpr step steps[] = {&row_reader::name,  &row_reader::place, &row_reader::table,
+                                  &row_reader::type,  &row_reader::words, &row_reader::rights,
+                                  &row_reader::times, &row_reader::modes, &row_reader::flags,
+                                  &row_reader::unit,  &row_reader::range, &row_reader::initial,
+                                  &row_reader::names, &row_reader::order};
         for (const step s : steps) {
             const std::string why = (this->*s)();
             if (why.empty()) continue;
@@ -102,6 +102,9 @@ class row_reader {
         return std::string{map_columns[static_cast<std::size_t>(column)]} + " takes " + std::string{takes} +
                ", not " + csv::shown(cell(column));
     }
+    bool is_bit() const { return is_of_bits(row_->table); }
+    const char* type_name() const { return type_text(row_->entry, row_->table); }
+    type_limits type_range() const { return is_bit() ? type_limits{0, 1} : limits_of(row_->entry.kind); }
     void add(flag f) { row_->entry.flags = row_->entry.flags | f; }
 
     std::string name() {
@@ -130,10 +133,26 @@ class row_reader {
         return {};
     }
 
+    std::string table() {
+        const std::string_view text = cell(map_column::table);
+        if (text.empty()) return {};
+        using enum servobus::table;
+        for (const servobus::table t : {coils, discrete_inputs, holding_registers, input_registers}) {
+            if (text != table_text(t)) continue;
+            row_->table = t;
+            return {};
+        }
+        return bad(map_column::table, "coil, discrete, holding or input");
+    }
+
     std::string type() {
         const std::string_view text = cell(map_column::type);
         row_->entry.kind = value_kind::unsigned_word;
         if (text.empty()) return {};
+        if (is_bit() != (text == "bool"))
+            return "type " + csv::shown(text) + " and table " + table_text(row_->table) +
+                   " contradict each other";
+        if (is_bit()) return {};
         using enum value_kind;
         for (const value_kind kind : {unsigned_word, signed_word, unsigned_pair, signed_pair}) {
             if (text != servobus::text(kind)) continue;
@@ -149,8 +168,7 @@ class row_reader {
         if (row_->entry.address + size > 0x1'0000) return "its second word is beyond address 0xFFFF";
         const std::string_view text = cell(map_column::words);
         if (text.empty() || text == std::to_string(size)) return {};
-        return "words is " + csv::shown(text) + ", but " + servobus::text(row_->entry.kind) + " has " +
-               std::to_string(size);
+        return "words is " + csv::shown(text) + ", but " + type_name() + " has " + std::to_string(size);
     }
 
     std::string rights() {
@@ -160,7 +178,11 @@ class row_reader {
         for (const access a : {access::ro, access::rw, access::wo}) {
             if (text != servobus::text(a)) continue;
             row_->entry.rights = a;
-            return {};
+            const bool is_input = row_->table == servobus::table::discrete_inputs ||
+                                  row_->table == servobus::table::input_registers;
+            if (!is_input || a == access::ro) return {};
+            return "access " + std::string{text} + " and table " + table_text(row_->table) +
+                   " contradict each other";
         }
         return bad(map_column::access, "ro, rw or wo");
     }
@@ -269,6 +291,8 @@ class row_reader {
         if (!symbol.empty() && u->of == servobus::measure::none)
             return "unknown unit " + csv::shown(symbol) +
                    did_you_mean(symbol, known, "; a plain ratio is times, a plain number has none");
+        if (is_bit() && (u->of != servobus::measure::none || !u->is_plain()))
+            return "a bit has neither scale nor unit";
         if (u->of == servobus::measure::none && !u->is_plain())
             return "scale " + csv::shown(scale) + " needs a unit; that of a plain ratio is times";
         row_->entry.unit_of_count = *u;
@@ -276,7 +300,7 @@ class row_reader {
     }
 
     std::string range() {
-        const type_limits whole = limits_of(row_->entry.kind);
+        const type_limits whole = type_range();
         const std::string_view low = cell(map_column::min);
         const std::string_view high = cell(map_column::max);
         row_->entry.limits = {whole.low, whole.high, false};
@@ -291,8 +315,8 @@ class row_reader {
                    std::to_string(*most);
         if (*least < whole.low || *most > whole.high)
             return "the range " + std::to_string(*least) + " .. " + std::to_string(*most) +
-                   " is not inside " + servobus::text(row_->entry.kind) + ", " + std::to_string(whole.low) +
-                   " .. " + std::to_string(whole.high);
+                   " is not inside " + type_name() + ", " + std::to_string(whole.low) + " .. " +
+                   std::to_string(whole.high);
         row_->entry.limits = {*least, *most, true};
         return {};
     }
@@ -319,6 +343,7 @@ class row_reader {
         row_->entry.names = servobus::naming::number;
         if (text.empty()) return {};
         if (row_->entry.words() == 2) return "names are for registers of one word";
+        if (is_bit() && (text == "halves" || text == "hex")) return "a bit has neither halves nor hex";
         row_->entry.names = text == "halves" ? servobus::naming::halves : servobus::naming::names;
         if (text == "halves" || text == "hex") return {};
         for (const std::string_view part : parts_of(text)) {
@@ -335,22 +360,22 @@ class row_reader {
                    csv::shown(part);
         const std::string_view place = csv::trimmed(part.substr(0, equals));
         cell_name n{0xFFFF, 0, csv::trimmed(part.substr(equals + 1))};
-        if (const std::size_t colon = place.find(':'); colon != place.npos) {
+        if (const std::size_t colon = place.find(':'); !is_bit() && colon != place.npos) {
             const std::optional<std::int64_t> mask = parse_integer(place.substr(0, colon));
             const std::optional<std::int64_t> value = parse_integer(place.substr(colon + 1));
             if (!mask || !value || *mask < 1 || *mask > 0xFFFF || *value < 0 || (*value & ~*mask) != 0)
                 return csv::shown(place) + " is no MASK:VALUE of bits inside the mask";
             n.mask = static_cast<std::uint16_t>(*mask);
             n.value = static_cast<std::uint16_t>(*value);
-        } else if (place.starts_with('b')) {
+        } else if (!is_bit() && place.starts_with('b')) {
             const std::optional<std::int64_t> bit = parse_integer(place.substr(1));
             if (!bit || *bit < 0 || *bit > 15) return csv::shown(place) + " is no bit from b0 to b15";
             n.mask = n.value = static_cast<std::uint16_t>(1u << static_cast<unsigned>(*bit));
         } else {
-            const type_limits whole = limits_of(row_->entry.kind);
+            const type_limits whole = type_range();
             const std::optional<std::int64_t> code = parse_integer(place);
             if (!code || *code < whole.low || *code > whole.high)
-                return csv::shown(place) + " is no code of " + servobus::text(row_->entry.kind);
+                return csv::shown(place) + " is no code of " + type_name();
             n.value = static_cast<std::uint16_t>(*code & 0xFFFF);
         }
         if (std::string why = judge_name(n); !why.empty()) return why;

@@ -27,6 +27,7 @@ struct cell_name {
 
 /// What a row says. `entry.values` is empty: `names` has them.
 struct device_row {
+    servobus::table table = servobus::table::holding_registers;
     servobus::entry entry{};
     std::vector<cell_name> names{};
     bool is_selectable = false; ///< `word_order` is

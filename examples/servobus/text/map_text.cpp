@@ -107,6 +107,15 @@ void put_key(std::string& lines, const char* key, unsigned long value) {
 
 } // namespace
 
+const char* table_text(servobus::table of) {
+    constexpr const char* names[] = {"coil", "discrete", "holding", "input"};
+    return names[static_cast<unsigned>(of)];
+}
+
+const char* type_text(const servobus::entry& e, servobus::table t) {
+    return is_of_bits(t) ? "bool" : text(e.kind);
+}
+
 const char* word_order_text(servobus::word_order order) {
     switch (order) {
     case servobus::word_order::high_first: return "high";
@@ -133,10 +142,10 @@ std::string map_header(bool is_long) {
     return line;
 }
 
-std::string map_row(const entry& e, const servobus::profile& of, const char* sentence) {
+std::string map_row(const entry& e, const servobus::profile& of, const char* sentence, servobus::table in) {
     const bool is_saved = has(e.flags, flag::saved) || has(e.flags, flag::saved_on_write);
     std::string row = hex(e.address) + ',' + static_cast<const char*>(e.name) + ',' +
-                      std::to_string(e.words()) + ',' + text(e.kind) + ',' + text(e.rights) + ',' +
+                      std::to_string(e.words()) + ',' + type_text(e, in) + ',' + text(e.rights) + ',' +
                       (is_saved ? "yes" : "no") + ',' + when_cell(e) + ',' + effective_cell(e) + ',' +
                       modes_cell(e) + ',' + (e.limits.is_stated ? std::to_string(e.limits.low) : "") + ',' +
                       (e.limits.is_stated ? std::to_string(e.limits.high) : "") + ',' +
@@ -146,7 +155,8 @@ std::string map_row(const entry& e, const servobus::profile& of, const char* sen
         const std::string quoted = cell(sentence);
         row += quoted.starts_with('"') ? ',' + quoted : ",\"" + quoted + '"';
     }
-    return row + ',' + flags_cell(e) + ',' + cell(names_cell(e)) + ',' + order_cell(e, of);
+    return row + ',' + flags_cell(e) + ',' + cell(names_cell(e)) + ',' + order_cell(e, of) + ',' +
+           table_text(in);
 }
 
 std::string profile_lines(const servobus::profile& of) {

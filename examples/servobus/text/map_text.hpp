@@ -34,10 +34,11 @@ enum class map_column : std::uint8_t {
     flags,
     names,
     word_order,
+    table,
 };
 inline constexpr std::string_view map_columns[] = {
-    "address", "name", "words",   "type",  "access", "saved",       "when",  "effective", "modes",
-    "min",     "max",  "default", "scale", "unit",   "description", "flags", "names",     "word_order"};
+    "address", "name",    "words", "type", "access",      "saved", "when",  "effective",  "modes", "min",
+    "max",     "default", "scale", "unit", "description", "flags", "names", "word_order", "table"};
 
 /// A word of the column `flags`.
 struct flag_word {
@@ -57,6 +58,12 @@ inline constexpr flag_word flag_words[] = {
 /// The version of the form of these files, `# file_format = 1`.
 inline constexpr int map_format = 1;
 
+/// A table as its rows have it, `coil` or `input`.
+const char* table_text(servobus::table of);
+constexpr bool is_of_bits(servobus::table t) { return t <= servobus::table::discrete_inputs; }
+/// `u16`; `bool` for a bit.
+const char* type_text(const servobus::entry& e, servobus::table t);
+
 /// How a word order is written: `high`, `low`; `selectable` for `unknown`.
 const char* word_order_text(servobus::word_order order);
 
@@ -66,7 +73,8 @@ std::string scale_text(servobus::unit u);
 /// The header line, without its end.
 std::string map_header(bool is_long);
 /// The line of a row, without its end. `sentence`: null if the map is not long.
-std::string map_row(const servobus::entry& e, const servobus::profile& of, const char* sentence);
+std::string map_row(const servobus::entry& e, const servobus::profile& of, const char* sentence,
+                    servobus::table in = servobus::table::holding_registers);
 /// The profile, a line `# key = value` for each property.
 std::string profile_lines(const servobus::profile& of);
 
