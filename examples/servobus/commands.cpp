@@ -224,6 +224,14 @@ constexpr command table[] = {
      .options = restore_options,
      .shared = line_only,
      .run = restore},
+    {.name = "header",
+     .words = "DEVICE",
+     .summary = "a device as a C++ header",
+     .about =
+         "Prints a header for programs with the library: the device's profile, a row for each register, coil "
+         "and input, and a catalogue for tools. The device of meter.csv is in namespace meter. A file with a "
+         "pair in another word order than the others is refused.",
+     .run = header},
     {.name = "completion",
      .words = "bash",
      .summary = "completion for the shell",

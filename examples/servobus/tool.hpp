@@ -192,6 +192,7 @@ int alarms(const arguments& asked);
 int backup(const arguments& asked);
 int restore(const arguments& asked);
 int listen(const arguments& asked);
+int header(const arguments& asked);
 int completion(const arguments& asked);
 int manual(const arguments& asked);
 

@@ -26,7 +26,7 @@ ENABLED = "node 1: response, control_word (0x200E) = enable (0x0008) written"
 @scene()
 def help_and_bad_commands(tool: Tool):
     tool.run("--help")
-    commands = "map alarms explain sim read write watch backup restore".split()
+    commands = "map alarms explain sim read write watch backup restore header".split()
     tool.check("--help has every command", all(f"servobus {command} " in tool.last.out for command in commands))
     tool.status_is("--help is status 0", 0)
     version = re.search(r"^project\(servobus VERSION ([0-9.]*) ", (ROOT / "CMakeLists.txt").read_text(), re.M)
