@@ -209,6 +209,7 @@ WRONG_PROFILES = [
     ("# echoes_byte_count = 1", 1, "echoes_byte_count takes yes or no"),
     ("# exception_0 = x", 1, "is none of exception_1 to exception_255"),
     ("# exception_01 = x", 1, "is none of exception_1 to exception_255"),
+    ("# exception_\u1234 = x", 1, "'exception_???' is none of exception_1 to exception_255"),
     ("# exception_2 =", 1, "takes its meaning"),
     ("# exception_2 = größe", 1, "is no ASCII text"),
 ]

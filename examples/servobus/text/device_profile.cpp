@@ -170,7 +170,7 @@ std::string owned_profile::set(const std::string& key, std::string_view value) {
 std::string owned_profile::set_exception(std::string_view number, std::string_view words) {
     const std::optional<std::int64_t> parsed = parse_integer(number);
     if (!parsed || *parsed < 1 || *parsed > 255 || std::to_string(*parsed) != number)
-        return "exception_" + std::string{number.substr(0, 20)} + " is none of exception_1 to exception_255";
+        return csv::shown("exception_" + std::string{number}) + " is none of exception_1 to exception_255";
     if (words.empty() || words.size() > 80)
         return "exception_" + std::string{number} + " takes its meaning in 1 to 80 characters";
     words_.emplace_back(words);
