@@ -185,6 +185,9 @@ def parameters(tool: Tool):
                                              "0x30,ratio,u16,rw,0.01,times,1,1000,100,motion,"))
         tool.fails("restore of a machine", f"restore {port} lift.csv saved.txt --yes", 2,
                    "lift.csv: restore is refused, since ratio moves a motor")
+        tool.write("slow.csv", "address,name,access,when,flags\n0x30,ratio,rw,stopped,\n")
+        tool.fails("restore of a motor's parameters", f"restore {port} slow.csv saved.txt --yes", 2,
+                   "slow.csv: restore is refused, since ratio is written only while a motor stands")
         tool.write("bare.csv", "# name = meter\naddress,name,access\n0x30,ratio,rw\n")
         tool.fails("restore without flags", f"restore {port} bare.csv saved.txt --yes", 2,
                    "bare.csv: restore is refused, since the file has no column flags")

@@ -314,10 +314,13 @@ int refuse_moving(const device& of) {
         return complain(usage, refused + "the file has no column flags, which says what moves a machine");
     for (const servobus::table t : all_tables) {
         for (const servobus::entry& e : of.rows_of(t)) {
-            if (has(e.flags, flag::motion))
+            const bool moves = has(e.flags, flag::motion);
+            if (moves || has(e.flags, flag::when_stopped)) {
                 return complain(usage,
                                 refused + name_of(e) +
-                                    " moves a motor, and a file does not say how to see that it is at rest");
+                                    (moves ? " moves a motor" : " is written only while a motor stands") +
+                                    ", and a file does not say how to see that it is at rest");
+            }
         }
     }
     return done;
