@@ -137,11 +137,40 @@ inline constexpr servobus::table all_tables[] = {servobus::table::coils, servobu
                                                  servobus::table::holding_registers,
                                                  servobus::table::input_registers};
 
-/// True for a drive of the tool's own whose row says all that a command asks of it.
-constexpr bool is_complete_drive(const device& d) {
-    return d.map != nullptr && d.simulate != nullptr && d.alarms != nullptr && d.at_rest != nullptr &&
-           d.stops != nullptr && d.file == nullptr && d.has_flags;
-}
+/// What a row of the tool's drives must give. A row that leaves it out does not compile.
+template <class T> class required {
+  public:
+    constexpr required(T& given) : given_{&given} {} // NOLINT: implicit, a row names what it gives
+    constexpr T* get() const { return given_; }
+
+  private:
+    T* given_;
+};
+
+/// A row of the tool's drives, see `device`.
+struct known_drive {
+    required<const servobus::catalogue> map;
+    required<int(const simulation&)> simulate;
+    required<std::vector<alarm_row>()> alarms;
+    required<repose(session&)> at_rest;
+    required<bool(u16 address, u16 word)> stops;
+    std::optional<save_command> save = std::nullopt;
+    int (*number)(std::string_view) = nullptr;
+    unsigned most_stored = 0;
+    bool (*excludes)(u16 one, u16 other) = nullptr;
+
+    constexpr operator device() const { // NOLINT: implicit, a row is a device
+        return {.map = map.get(),
+                .simulate = simulate.get(),
+                .alarms = alarms.get(),
+                .at_rest = at_rest.get(),
+                .stops = stops.get(),
+                .save = save,
+                .number = number,
+                .most_stored = most_stored,
+                .excludes = excludes};
+    }
+};
 
 /// The drives that the tool knows, without those of files.
 std::span<const device> devices();
