@@ -148,6 +148,39 @@ void texts(corpus& to) {
                byte_list(text, text + std::string{text}.size()));
 }
 
+void device_files(corpus& to) {
+    const auto add = [&](const char* name, const std::string& text) {
+        to.add(name, byte_list(text.begin(), text.end()));
+    };
+    add("file_short", "address,name\n0x10,voltage\n17,current\n12h,power\n");
+    add("file_profile",
+        "\xEF\xBB\xBF## a meter\r\n# file_format = 1\r\n# name = meter\r\n# lowest_address = 2\r\n# "
+        "highest_address = "
+        "32\r\n# baud = 19200\r\n# character_format = 8E1\r\n# word_order = selectable\r\n# "
+        "word_order_register = "
+        "0x19\r\n# eeprom_switch = 0x20\r\n# max_read = 16\r\n# max_write = 8\r\n# response_ms = 250\r\n# "
+        "turnaround_ms = 10\r\n# gap_ms = 1.75\r\n# quarantine_ms = 50\r\n# read_retries = 1\r\n# "
+        "leading_bytes = "
+        "0\r\n# corrupted_request = 1\r\n# acknowledge = 0\r\n# echoes_byte_count = yes\r\n# exception_2 = "
+        "refused\r\nname,address,type,word_order\r\nplace,1,i32,selectable\r\nway,3,u32,high\r\n");
+    add("file_columns",
+        "address,name,words,type,access,saved,when,effective,modes,min,max,default,scale,unit,description,"
+        "flags,names,"
+        "word_order,table\n0x0010,speed,1,i16,rw,yes,running,immediate,PST,-5,5,0,0.1,r/min,\"A "
+        "\"\"speed\"\", "
+        "set.\",motion;scaled_elsewhere,,,holding\n0x11,mode,,u16,rw,,stopped,power_cycle,ALL,0,9,1,,,,saved_"
+        "on_write;"
+        "zero_by_name,0=off;b3=on;0x00C0:0x0040=locked,,\n0x12,total,2,u32,ro,no,,at_stop,T,,,,1/"
+        "3,ms,,,,low,\n0x14,axes,,i16,,,,,,,,,,,,,halves,,\n0x15,word,,,wo,,,,,,,,,,,trigger;communication,"
+        "hex,,\n,,,,,,"
+        ",,,,,,,,,,,,\n0x10,pump,,bool,rw,,,,,0,1,1,,,,motion,0=idle;1=runs,,coil\n0x10,door,,,,,,,,,,,,,,,,,"
+        "discrete\n"
+        "0x10,level,,i32,,,,,,,,,25,mm,,,,,input\n");
+    add("file_wrong", "address;name\n0x10;a\n");
+    add("file_quote", "address,name,description\n1,a,\"b\n");
+    add("file_twice", "address,name,type\n1,a,u32\n2,b,\n");
+}
+
 // The format of fuzz/fuzz_functions.cpp: the request's length, the request, the response; and that of
 // fuzz/fuzz_explain.cpp: no direction, room, the length of the frame before it, both frames. The pairs are those that the
 // standard prints.
@@ -232,10 +265,11 @@ int main() {
     corpus request{"request"}, response{"response"}, server{"server"}, exchange{"exchange"}, line{"line"},
         blocking_line{"blocking_line"}, explain{"explain"}, text{"text"}, simulators{"simulators"},
         libmodbus{"libmodbus"}, of_functions{"functions"}, row_server{"row_server"},
-        conformance{"conformance"};
+        conformance{"conformance"}, device_file{"device_file"};
     calls(line);
     blocking_line_calls(blocking_line);
     texts(text);
+    device_files(device_file);
     functions(of_functions, explain);
     row_requests(row_server);
     // Each command once, undisturbed but for a late response.

@@ -103,7 +103,10 @@ constexpr option restore_options[] = {
 };
 
 constexpr option map_options[] = {
-    {"long", "", "a last column: what the register does, a sentence in quotes"},
+    {"long", "", "one more column, description, after unit: what the register does, a sentence in quotes"},
+    {"profile", "",
+     "first the properties of the device, a line \"# key = value\" each: name, addresses, rate, word order, "
+     "limits, gaps, exceptions"},
 };
 
 constexpr command table[] = {
@@ -111,7 +114,8 @@ constexpr command table[] = {
      .words = "DEVICE [REG]",
      .summary = "the register map as CSV, or one register",
      .about = "Prints a row for each register: address, name, words, type, access, whether it is saved, "
-              "when it may be written, when that takes effect, modes, range, default, scale and unit. With "
+              "when it may be written, when that takes effect, modes, range, default, scale, unit, further "
+              "flags, names of codes and bits, and word order. With "
               "REG it prints what that register does, these properties in words, and the names of its codes "
               "or bits.",
      .options = map_options,
@@ -220,6 +224,14 @@ constexpr command table[] = {
      .options = restore_options,
      .shared = line_only,
      .run = restore},
+    {.name = "header",
+     .words = "DEVICE",
+     .summary = "a device as a C++ header",
+     .about =
+         "Prints a header for programs with the library: the device's profile, a row for each register, coil "
+         "and input, and a catalogue for tools. The device of meter.csv is in namespace meter. A file with a "
+         "pair in another word order than the others is refused.",
+     .run = header},
     {.name = "completion",
      .words = "bash",
      .summary = "completion for the shell",

@@ -4,19 +4,24 @@
 // A drive on an open port: its settings from the command line, and failures in words.
 #include "session.hpp"
 
+#include <algorithm>
+
 namespace tool {
 
 std::optional<target> parse_target(std::string_view text) {
-    const std::size_t colon = text.find(':');
-    const std::string_view name = text.substr(0, colon);
+    const device_word word = split_device(text);
     target t;
-    if (name != "raw") {
-        t.kind = find_device(name);
+    if (word.name != "raw") {
+        t.kind = find_device(word.name);
         if (t.kind == nullptr) return std::nullopt;
     }
-    if (colon == text.npos) return t;
     const servobus::profile& facts = t.facts();
-    const std::optional<std::int64_t> node = parse_integer(text.substr(colon + 1));
+    if (!word.node) {
+        t.node = std::max(t.node, facts.lowest_address);
+        return t;
+    }
+    t.has_node = true;
+    const std::optional<std::int64_t> node = parse_integer(*word.node);
     const bool is_peer =
         node && (*node == servobus::modbus::broadcast || *node == servobus::modbus::peer_address);
     if (t.kind == nullptr && is_peer) {
@@ -25,8 +30,8 @@ std::optional<target> parse_target(std::string_view text) {
         return t;
     }
     if (!node || *node < facts.lowest_address || *node > facts.highest_address) {
-        complain(usage, "'" + std::string{text.substr(colon + 1)} + "' is no node address of " + facts.name +
-                            ": " + std::to_string(facts.lowest_address) + " to " +
+        complain(usage, "'" + std::string{*word.node} + "' is no node address of " + facts.name + ": " +
+                            std::to_string(facts.lowest_address) + " to " +
                             std::to_string(facts.highest_address));
         return std::nullopt;
     }

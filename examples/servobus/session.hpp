@@ -34,6 +34,7 @@ struct target {
     const device* kind = nullptr; ///< null: raw
     std::uint8_t node = 1;
     std::uint8_t peer_unit = 0; ///< 0 or 255, if `node` is `peer_address`
+    bool has_node = false;      ///< the command line names it
 
     bool is_peer() const { return node == servobus::modbus::peer_address; }
 
@@ -46,7 +47,7 @@ struct chosen {
     u16 address = 0;
     u16 words = 1;                        ///< or bits
     const servobus::entry* row = nullptr; ///< null: raw
-    raw_form form{};                      ///< of raw: what it is
+    raw_form form{};                      ///< of raw: what it is; of a row: its table
 };
 
 /// These complain by themselves.
@@ -61,7 +62,7 @@ std::vector<chosen> parse_readable(const target& of, const arguments& asked);
 std::optional<servobus::character_format> parse_format(std::string_view text);
 
 /// A row of the map as if it had been chosen.
-chosen choose(const servobus::entry& row);
+chosen choose(const servobus::entry& row, servobus::table in = servobus::table::holding_registers);
 
 /// The names of a register's codes or bits, as VALUE takes them.
 std::vector<std::string> names_of(const servobus::entry& row);
@@ -93,6 +94,8 @@ class session {
     using line_type = servobus::line<any_port, servobus::counters, servobus::echoed>;
     using client_type = servobus::client<line_type, any_device, any_node>;
 
+    static constexpr servobus::table holding = servobus::table::holding_registers;
+
     session() = default;
     session(const session&) = delete;
     session& operator=(const session&) = delete;
@@ -103,8 +106,9 @@ class session {
 
     /// Errors: those of `client::read_words`; `unexpected_value` if the drive's word order is none.
     servobus::status read(const chosen& what, std::span<u16> words);
-    /// Adjacent rows of the map in one request.
-    servobus::status read(std::span<const servobus::entry* const> rows, std::span<u16> words);
+    /// Adjacent rows of a table in one request.
+    servobus::status read(std::span<const servobus::entry* const> rows, std::span<u16> words,
+                          servobus::table from = holding);
     /// `not_sent` or `refused` also if the word order could not be read.
     servobus::status write(const chosen& what, std::span<const u16> words);
 
@@ -136,9 +140,7 @@ class session {
     servobus::status write_coils(u16 address, std::span<const u16> coils);
     bool is_stop(const chosen& what, std::span<const u16> words) const;
     void forget();
-    void swap_pair(std::span<u16> pair) const;
-
-    static constexpr servobus::table holding = servobus::table::holding_registers;
+    void swap_pair(const servobus::entry& row, std::span<u16> pair) const;
 
     const servobus::profile* facts_ = nullptr;
     const device* kind_ = nullptr; ///< null: raw

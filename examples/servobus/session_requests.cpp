@@ -150,7 +150,7 @@ servobus::status session::write_coils(u16 address, std::span<const u16> coils) {
 }
 
 bool session::is_stop(const chosen& what, std::span<const u16> words) const {
-    return kind_ != nullptr && words.size() == 1 && kind_->stops(what.address, words[0]);
+    return kind_ != nullptr && words.size() == 1 && kind_->is_stop(what.address, words[0]);
 }
 
 servobus::status session::learn_word_order() {
@@ -176,16 +176,19 @@ servobus::status session::ask_wear(bool& wears) {
     return {};
 }
 
-void session::swap_pair(std::span<u16> pair) const {
-    if (word_order_ == servobus::word_order::low_first) std::swap(pair[0], pair[1]);
+void session::swap_pair(const servobus::entry& row, std::span<u16> pair) const {
+    const bool is_own = row.own_word_order != servobus::word_order::unknown;
+    const servobus::word_order order = is_own ? row.own_word_order : word_order_;
+    if (order == servobus::word_order::low_first) std::swap(pair[0], pair[1]);
 }
 
 servobus::status session::read(const chosen& what, std::span<u16> words) {
     if (what.row == nullptr) return read_raw(what.address, words, what.form.table);
-    return read({&what.row, 1}, words);
+    return read({&what.row, 1}, words, what.form.table);
 }
 
-servobus::status session::read(std::span<const servobus::entry* const> rows, std::span<u16> words) {
+servobus::status session::read(std::span<const servobus::entry* const> rows, std::span<u16> words,
+                               servobus::table from) {
     const bool has_pair = std::ranges::any_of(rows, [](const auto* row) { return row->words() == 2; });
     const bool needs_order = has_pair && facts_->word_order_register != 0;
     for (bool is_again = false;; is_again = true) {
@@ -193,7 +196,7 @@ servobus::status session::read(std::span<const servobus::entry* const> rows, std
             const servobus::status why = learn_word_order();
             if (why.error() != servobus::errc::ok) return why;
         }
-        const servobus::status why = read_raw(rows[0]->address, words);
+        const servobus::status why = read_raw(rows[0]->address, words, from);
         if (why.error() != servobus::errc::ok) return why;
         // The port was lost meanwhile, and the word order with it.
         const bool is_forgotten = needs_order && word_order_ == servobus::word_order::unknown;
@@ -201,7 +204,7 @@ servobus::status session::read(std::span<const servobus::entry* const> rows, std
         if (is_again) return {servobus::errc::needs_word_order};
     }
     for (const servobus::entry* row : rows) {
-        if (row->words() == 2) swap_pair(words.first(2));
+        if (row->words() == 2) swap_pair(*row, words.first(2));
         words = words.subspan(row->words());
     }
     return {};
@@ -219,13 +222,13 @@ servobus::status session::write_now(const chosen& what, std::span<const u16> wor
     if (what.row != nullptr && what.row->words() == 2) {
         const servobus::status why = learn_word_order();
         if (why.error() != servobus::errc::ok) return why.with_sent(false);
-        swap_pair(sent);
+        swap_pair(*what.row, sent);
     }
     // Whose answer may be the last at this address is asked first, so that no echo passes for it.
     if (what.row != nullptr && has(what.row->flags, servobus::flag::communication) &&
         !line_->is_echo_ruled_out()) {
         u16 word = 0;
-        const servobus::status why = read_raw(what.address, {&word, 1});
+        const servobus::status why = read_raw(what.address, {&word, 1}, what.form.table);
         if (!line_->is_echo_ruled_out()) return why.with_sent(false);
     }
     const servobus::status w = write_once(what, sent);
@@ -233,7 +236,8 @@ servobus::status session::write_now(const chosen& what, std::span<const u16> wor
     if (w.outcome() == servobus::outcome::unknown && !is_stop(what, words) && port_.is_network())
         is_lost_ = port_.reconnect() != servobus::errc::ok;
     const auto covers = [&](u16 address) {
-        return address != 0 && address >= what.address && address - what.address < what.words;
+        return address != 0 && what.form.table == holding && address >= what.address &&
+               address - what.address < what.words;
     };
     if (w.outcome() == servobus::outcome::unknown || covers(facts_->word_order_register) ||
         covers(facts_->eeprom_switch))

@@ -38,6 +38,8 @@ std::size_t note_count();
 std::string hex_word(u16 word);
 /// A whole number, decimal or 0x…; nothing else may stand around it.
 std::optional<std::int64_t> parse_integer(std::string_view text);
+/// An address as programs or manuals write it: 0x2088, 8328, 2088h.
+std::optional<std::int64_t> parse_address(std::string_view text);
 
 struct command;
 
@@ -98,26 +100,92 @@ struct alarm_row {
     servobus::advice what;
 };
 
-/// A drive that the tool knows.
+/// A drive that the tool knows, or a device from a file. The four functions after the map are null for a file.
 struct device {
-    const servobus::catalogue* map;
-    int (*simulate)(const simulation&);
-    std::vector<alarm_row> (*alarms)();
-    repose (*at_rest)(session&);
-    bool (*stops)(u16 address, u16 word);            ///< a write that stops the motor and does nothing else
+    const servobus::catalogue* map = nullptr;
+    int (*simulate)(const simulation&) = nullptr;
+    std::vector<alarm_row> (*alarms)() = nullptr;
+    repose (*at_rest)(session&) = nullptr;
+    bool (*stops)(u16 address, u16 word) = nullptr;  ///< a write that stops the motor and does nothing else
     std::optional<save_command> save = std::nullopt; ///< none: every write is kept
     int (*number)(std::string_view) = nullptr;       ///< the address of a parameter number
     unsigned most_stored = 0;                        ///< writes into the EEPROM without an alarm; 0: any
     bool (*excludes)(u16 one, u16 other) = nullptr;  ///< registers that may not both hold a word above 0
+    const char* file = nullptr;                      ///< its path; null for a drive that the tool knows
+    bool has_flags = true;                           ///< false: nothing says which registers move a machine
+    /// Of a file: the rows of all tables, in the order of `servobus::table`; those of holding registers are `map`.
+    const servobus::catalogue* tables = nullptr;
 
     const servobus::profile& facts() const { return *map->device; }
+    /// The rows of a table; a drive that the tool knows has those of holding registers alone.
+    std::span<const servobus::entry> rows_of(servobus::table t) const {
+        if (tables != nullptr) return tables[static_cast<std::size_t>(t)].entries;
+        return t == servobus::table::holding_registers ? map->entries : std::span<const servobus::entry>{};
+    }
+    const char* sentence(u16 address, servobus::table t) const {
+        return (tables != nullptr ? tables[static_cast<std::size_t>(t)] : *map).sentence(address);
+    }
+    /// As the command line names it: its name, or the path of its file.
+    std::string word() const { return file != nullptr ? file : facts().name; }
+    /// True for a write that stops the motor and does nothing else.
+    bool is_stop(u16 address, u16 word) const { return stops != nullptr && stops(address, word); }
     /// The name of a register, and its address.
     std::string display_name(u16 address) const;
 };
 
+inline constexpr servobus::table all_tables[] = {servobus::table::coils, servobus::table::discrete_inputs,
+                                                 servobus::table::holding_registers,
+                                                 servobus::table::input_registers};
+
+/// What a row of the tool's drives must give. A row that leaves it out does not compile.
+template <class T> class required {
+  public:
+    constexpr required(T& given) : given_{&given} {} // NOLINT: implicit, a row names what it gives
+    constexpr T* get() const { return given_; }
+
+  private:
+    T* given_;
+};
+
+/// A row of the tool's drives, see `device`.
+struct known_drive {
+    required<const servobus::catalogue> map;
+    required<int(const simulation&)> simulate;
+    required<std::vector<alarm_row>()> alarms;
+    required<repose(session&)> at_rest;
+    required<bool(u16 address, u16 word)> stops;
+    std::optional<save_command> save = std::nullopt;
+    int (*number)(std::string_view) = nullptr;
+    unsigned most_stored = 0;
+    bool (*excludes)(u16 one, u16 other) = nullptr;
+
+    constexpr operator device() const { // NOLINT: implicit, a row is a device
+        return {.map = map.get(),
+                .simulate = simulate.get(),
+                .alarms = alarms.get(),
+                .at_rest = at_rest.get(),
+                .stops = stops.get(),
+                .save = save,
+                .number = number,
+                .most_stored = most_stored,
+                .excludes = excludes};
+    }
+};
+
+/// The drives that the tool knows, without those of files.
 std::span<const device> devices();
-/// Complains by itself.
-const device* find_device(std::string_view name);
+/// The drive of that name, or the device of a file; a word with `.csv` or `/` is a file's path. The same word is the same
+/// device. Complains by itself.
+const device* find_device(std::string_view word);
+/// As above, but null without a complaint.
+const device* find_device_quietly(std::string_view word);
+
+/// DEVICE[:NODE] in its parts. The colon of `C:/meter.csv` is none before a node.
+struct device_word {
+    std::string_view name;
+    std::optional<std::string_view> node{};
+};
+device_word split_device(std::string_view text);
 
 // rest.cpp: the rules, one for each drive.
 repose zlac8015d_at_rest(session& on);
@@ -153,6 +221,7 @@ int alarms(const arguments& asked);
 int backup(const arguments& asked);
 int restore(const arguments& asked);
 int listen(const arguments& asked);
+int header(const arguments& asked);
 int completion(const arguments& asked);
 int manual(const arguments& asked);
 

@@ -104,7 +104,7 @@ foreach(part commands files network endings)
 endforeach()
 # Not `parameters`, which takes as long as all others: the tool's files on Windows are in tool.files.
 check_on_wine(tests_of_the_tool.listen 50 tests_of_the_tool listen)
-foreach(part offline zlac8015d devices refused_files)
+foreach(part offline zlac8015d devices refused_files device_files)
   check_on_wine(tests_of_the_tool.${part} 20 tests_of_the_tool ${part})
 endforeach()
 

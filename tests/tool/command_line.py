@@ -190,7 +190,7 @@ COMPLETIONS = [
     ("servobus map zlac8015d software_version ", ""),
     ("servobus map fly ", ""),
     ("servobus map zlac8015d --l", "--long"),
-    ("servobus read tcp://10.0.0.1:4001 za", ""),
+    ("servobus read tcp://10.0.0.1:4001 za", "-o default: "),
     ("servobus read tcp://10.0.0.1:4001 zl", "zlac8015d"),
     ("servobus read mbap://[::1] zlac8015d:3 bus_v", "bus_voltage"),
     ("servobus read tc", "-o nospace: tcp://"),

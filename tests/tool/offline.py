@@ -14,7 +14,9 @@ from programs import Tool, play_tool, scene
 
 ROOT = Path(__file__).resolve().parents[2]
 DEVICES = "zlac8015d", "yako-closed-loop", "yako-open-loop", "c630s"
-HEADER = "address,name,words,type,access,saved,when,effective,modes,min,max,default,scale,unit"
+OLD = "address,name,words,type,access,saved,when,effective,modes,min,max,default,scale,unit"
+NEW = "flags,names,word_order,table"
+HEADER = f"{OLD},{NEW}"
 READS = "node 1: read left_actual_speed (0x20AB), right_actual_speed (0x20AC)"
 SPEEDS = "node 1: response, left_actual_speed = 10.0 r/min, right_actual_speed = 10.0 r/min"
 ENABLE = "node 1: write control_word (0x200E) = enable (0x0008)"
@@ -24,7 +26,7 @@ ENABLED = "node 1: response, control_word (0x200E) = enable (0x0008) written"
 @scene()
 def help_and_bad_commands(tool: Tool):
     tool.run("--help")
-    commands = "map alarms explain sim read write watch backup restore".split()
+    commands = "map alarms explain sim read write watch backup restore header".split()
     tool.check("--help has every command", all(f"servobus {command} " in tool.last.out for command in commands))
     tool.status_is("--help is status 0", 0)
     version = re.search(r"^project\(servobus VERSION ([0-9.]*) ", (ROOT / "CMakeLists.txt").read_text(), re.M)
@@ -45,16 +47,23 @@ def map_of_zlac8015d(tool: Tool):
     rows = lines[1:]
     tool.check("map: header", lines[0] == HEADER)
     tool.check("map: 116 registers", len(rows) == 116)
-    tool.check("map: 14 columns in every row", all(line.count(",") == 13 for line in lines))
+    tool.check("map: 18 columns in every row", all(line.count(",") == 17 for line in lines))
     tool.check("map: in address order", is_sorted(rows))
     for name, pattern in [
-        ("map: a scaled row", r"0x2034,left_max_current,1,u16,rw,yes,,,,0,300,[0-9]*,0\.1,A"),
-        ("map: a pair", r"0x208A,left_target_position,2,i32,rw,no,,,,-2147483647,2147483647,0,1,pulse"),
-        ("map: a row without range and default", r"0x20A0,software_version,1,u16,ro,no,,,,,,,1,"),
+        ("map: a scaled row", r"0x2034,left_max_current,1,u16,rw,yes,,,,0,300,[0-9]*,0\.1,A,,,,holding"),
+        ("map: a pair", r"0x208A,left_target_position,2,i32,rw,no,,,,-2147483647,2147483647,0,1,pulse,motion,,,holding"),
+        ("map: a row without range and default", r"0x20A0,software_version,1,u16,ro,no,,,,,,,1,,,,,holding"),
+        ("map: codes", r"0x2007,shaft_at_power_on,.*,,,0=unlocked;1=locked,,holding"),
+        ("map: flags", r"0x2000,host_timeout,.*,ms,zero_by_name,,,holding"),
+        ("map: bits", r"0x2003,input_state,.*,,,b0=x0;b1=x1,,holding"),
+        ("map: fields", r"0x20A2,status_word,.*,0xC000:0x0000=left released;0xC000:0x4000=left locked;.*;b8=left running;"
+         r".*;b0=right running,,holding"),
+        ("map: halves", r"0x20A4,motor_temperature,.*,degC,,halves,,holding"),
     ]:
         tool.check(name, any(re.fullmatch(pattern, row) for row in rows), "")
     tool.fails("map takes one device", "map", 2, "map takes one DEVICE, and one REG at most")
     tool.fails("map takes one register", "map zlac8015d 0x2000 0x2001", 2, "one REG at most")
+    tool.fails("--profile is for the whole map", "map zlac8015d 0x2000 --profile", 2, "--profile is for the whole map")
     tool.fails("--long is for the whole map", "map zlac8015d 0x2000 --long", 2, "--long is for the whole map")
 
 
@@ -64,11 +73,11 @@ def is_sorted(rows: list[str]) -> bool:
 
 
 @scene(
-    ("yako-closed-loop", 204, "0x0019,pair_word_order,1,u16,rw,no,,,,0,1,0,1,",
-     "0x0024,target_position,2,i32,rw,no,,,,-2147483648,2147483647,5000,1,pulse",
-     "0x0031,homing_method,1,i16,rw,no,,,,-4,35,24,1,",
-     "0x0062,position_segment_1_speed,1,u16,rw,yes,,,,0,3000,120,1,r/min"),
-    ("yako-open-loop", 208, "0x0031,homing_method,1,u16,rw,no,,,,17,35,24,1,"),
+    ("yako-closed-loop", 204, "0x0019,pair_word_order,1,u16,rw,no,,,,0,1,0,1,,communication,0=high first;1=low first,,holding",
+     "0x0024,target_position,2,i32,rw,no,,,,-2147483648,2147483647,5000,1,pulse,motion,,selectable,holding",
+     "0x0031,homing_method,1,i16,rw,no,,,,-4,35,24,1,,,",
+     "0x0062,position_segment_1_speed,1,u16,rw,yes,,,,0,3000,120,1,r/min,scaled_elsewhere,,"),
+    ("yako-open-loop", 208, "0x0031,homing_method,1,u16,rw,no,,,,17,35,24,1,,,"),
     ("c630s", 463, "0x0200,mode_of_operation,1,u16,rw,yes,stopped,immediate,,0,6,1,1,",
      "0x0603,target_speed,1,i16,rw,yes,running,immediate,S,-6000,6000,200,1,r/min",
      "0x0B11,feedback_pulses,2,i32,ro,no,,,PST,,,,1,counts",
@@ -77,20 +86,20 @@ def is_sorted(rows: list[str]) -> bool:
 def map_is(tool: Tool, device: str, count: int, *expected: str):
     lines = tool.run(f"map {device}").lines
     tool.check(f"map {device}: {count} registers", len(lines) == count + 1)
-    tool.check(f"map {device}: 14 columns", all(line.count(",") == 13 for line in lines))
+    tool.check(f"map {device}: 18 columns", all(line.count(",") == 17 for line in lines))
     tool.check(f"map {device}: in address order", is_sorted(lines[1:]))
     for row in expected:
-        tool.check(f"map {device}: {row}", row in lines, "")
+        tool.check(f"map {device}: {row}", any(line.startswith(row) for line in lines), "")
 
 
 @scene(*DEVICES)
 def long_map_is(tool: Tool, device: str):
-    """The map, and a last column with a sentence in quotes; the words of a register begin with it."""
+    """The map, and a column with a sentence in quotes; the words of a register begin with it."""
     short = tool.run(f"map {device}").lines
     lines = tool.run(f"map {device} --long").lines
-    tool.check(f"map {device} --long: header", lines[0] == f"{HEADER},description")
-    rows = [re.fullmatch(r'(.*),"([A-Z][^"]*\.)"', line) for line in lines[1:]]
-    tool.check(f"map {device} --long: the rows of the map", [row and row[1] for row in rows] == short[1:])
+    tool.check(f"map {device} --long: header", lines[0] == f"{OLD},description,{NEW}")
+    rows = [re.fullmatch(r'(.*),"([A-Z][^"]*\.)"(,.*)', line) for line in lines[1:]]
+    tool.check(f"map {device} --long: the rows of the map", [row and row[1] + row[3] for row in rows] == short[1:])
     for row in list(csv.DictReader(lines))[::40]:
         said = tool.run(f"map {device} {row['name']}")
         tool.is_equal(f"map {device} {row['name']}: name and sentence", said.lines[:2],
@@ -100,6 +109,85 @@ def long_map_is(tool: Tool, device: str):
                    rest["address"].startswith(row["address"]) and rest["type"].startswith(row["type"]))
         for word in (row["address"], f"{row['address'][2:].lower()}h"):
             tool.is_equal(f"map {device} {word}", tool.run(f"map {device} {word}").out, said.out)
+
+
+PROFILES = {
+    "zlac8015d": """
+        # file_format = 1
+        # name = zlac8015d
+        # lowest_address = 1
+        # highest_address = 127
+        # baud = 115200
+        # character_format = 8N1
+        # word_order = high
+        # max_read = 125
+        # max_write = 123
+        # response_ms = 100
+        # turnaround_ms = 10
+        # gap_ms = 0
+        # quarantine_ms = 100
+        # read_retries = 2
+        # leading_bytes = 4
+        # corrupted_request = 0
+        # acknowledge = 5
+        # echoes_byte_count = no
+        # exception_1 = illegal function
+        # exception_2 = illegal data address
+        # exception_3 = illegal data value""",
+    "c630s": """
+        # file_format = 1
+        # name = c630s
+        # lowest_address = 1
+        # highest_address = 247
+        # baud = 57600
+        # character_format = 8N2
+        # word_order = selectable
+        # word_order_register = 0x0C1A
+        # eeprom_switch = 0x0C0D
+        # max_read = 16
+        # max_write = 16
+        # response_ms = 100
+        # turnaround_ms = 10
+        # gap_ms = 0
+        # quarantine_ms = 100
+        # read_retries = 2
+        # leading_bytes = 4
+        # corrupted_request = 0
+        # acknowledge = 5
+        # echoes_byte_count = yes
+        # exception_1 = illegal command
+        # exception_2 = illegal data address
+        # exception_3 = illegal data
+        # exception_4 = refused""",
+}
+
+
+@scene(*DEVICES)
+def profile_is(tool: Tool, device: str):
+    """In front of the map, which stays as it is."""
+    alone = tool.run(f"map {device} --long").out
+    shown = tool.run(f"map {device} --long --profile").out
+    profile = shown.removesuffix(alone)
+    tool.check(f"map {device}: no profile unasked", "#" not in alone.replace("drive's", ""))
+    tool.check(f"map {device} --profile: then the map", shown.endswith(alone))
+    tool.check(f"map {device} --profile: keys and values",
+               all(re.fullmatch(r"# [a-z0-9_]+ = \S.*", line) for line in profile.splitlines()) and profile)
+    tool.check(f"map {device} --profile: name", f"# name = {device}\n" in profile)
+    if device in PROFILES:
+        tool.is_equal(f"map {device} --profile", profile, textwrap.dedent(PROFILES[device]).lstrip("\n") + "\n")
+
+
+@scene()
+def documented_columns(tool: Tool):
+    """The tool's README has each column and each key of a profile."""
+    page = (ROOT / "examples/servobus/README.md").read_text("utf-8")
+    page = page.split("\n## Columns of a map\n")[1].split("\n## ")[0]
+    words = {word for row in re.findall(r"^\| (.*?) \|", page, re.M) for word in re.findall(r"`(\w+)`", row)}
+    lines = [line for device in DEVICES for line in tool.run(f"map {device} --long --profile").lines]
+    keys = {line.split()[1] for line in lines if line.startswith("#")}
+    columns = set(next(line for line in lines if not line.startswith("#")).split(","))
+    tool.is_equal("map: the columns and keys of the page", words,
+                  columns | {key for key in keys if not key.startswith("exception_")} | {"exception_1"})
 
 
 # What `map` prints below the sentence.

@@ -10,7 +10,7 @@ import on_wine
 from alike import main
 from checks import check, expect, run
 
-PARTS = ("offline", "zlac8015d", "devices", "refused_files", "parameters", "listen")
+PARTS = ("offline", "zlac8015d", "devices", "refused_files", "device_files", "parameters", "listen")
 NO_RESPONSE = re.compile("^ .*no response.*", re.M) # in what a failed check has found
 
 

@@ -46,6 +46,7 @@ int alarms(const arguments& asked) {
     if (asked.words().size() != 1) return complain(usage, "alarms takes one DEVICE");
     const device* of = find_device(asked.words()[0]);
     if (of == nullptr) return usage;
+    if (of->alarms == nullptr) return complain(usage, of->word() + ": a device file has no alarms");
     (void)std::puts("code,class,resettable,name,cause,remedy,reset");
     for (const alarm_row& a : of->alarms()) { // no advice has a quote
         std::printf("%s,%s,%s,%s,\"%s\",\"%s\",\"%s\"\n", a.code.c_str(), a.kind, a.resettable, a.name,

@@ -44,6 +44,11 @@ int backup(const arguments& asked) {
     }
     if (const int status = on.open(asked.words()[0].c_str()); status != done) return status;
 
+    if (!of->kind->has_flags) {
+        note(
+            "warning: " + of->kind->word() +
+            " has no column flags, so that triggers and targets are in the backup; restore takes none of it");
+    }
     interrupts::arm();
     std::vector<const servobus::entry*> rows;
     for (const servobus::entry& e : of->kind->map->entries) {

@@ -88,20 +88,17 @@ answer ports(std::string_view begun) {
     return a;
 }
 
-answer device_names(const command& of) {
+// Another word is completed as a file.
+answer device_names(const command& of, std::string_view begun) {
     answer a;
     for (const device& d : devices()) a.candidates.emplace_back(d.facts().name);
     if (of.takes_raw) a.candidates.emplace_back("raw");
-    return a;
+    const auto begins = [&](const std::string& candidate) { return candidate.starts_with(begun); };
+    return std::ranges::any_of(a.candidates, begins) ? a : files();
 }
 
-// The device on the command line; null if there is none with a map. Does not complain, as find_device does.
-const device* device_of(std::string_view word) {
-    for (const device& d : devices()) {
-        if (word.substr(0, word.find(':')) == d.facts().name) return &d;
-    }
-    return nullptr;
-}
+// The device on the command line; null if there is none with a map.
+const device* device_of(std::string_view word) { return find_device_quietly(split_device(word).name); }
 
 enum class register_use { show, read, write };
 
@@ -113,24 +110,28 @@ answer registers(const device* of, std::string_view begun, register_use wanted,
     answer a{.kind = is_write ? "open" : "words", .candidates = {}};
     if (of == nullptr) return a;
     const std::size_t equals = begun.find('=');
-    for (const servobus::entry& e : of->map->entries) {
-        const std::string name{static_cast<const char*>(e.name)};
-        if (is_write && equals != begun.npos) {
-            if (name != begun.substr(0, equals)) continue;
-            const bool is_code =
-                std::ranges::all_of(e.values, [](const auto& v) { return v.mask == 0xFFFF; });
-            const std::string before = name + "=";
-            const std::string_view value = begun.substr(equals + 1);
-            a = list_of(value, is_code ? '\0' : '+', names_of(e));
-            if (is_code) a.kind = "words";
-            for (std::string& candidate : a.candidates) candidate.insert(0, before);
-            return a;
+    for (const servobus::table t : all_tables) {
+        for (const servobus::entry& e : of->rows_of(t)) {
+            const std::string name{static_cast<const char*>(e.name)};
+            if (is_write && equals != begun.npos) {
+                if (name != begun.substr(0, equals)) continue;
+                const bool is_code =
+                    std::ranges::all_of(e.values, [](const auto& v) { return v.mask == 0xFFFF; });
+                const std::string before = name + "=";
+                const std::string_view value = begun.substr(equals + 1);
+                a = list_of(value, is_code ? '\0' : '+', names_of(e));
+                if (is_code) a.kind = "words";
+                for (std::string& candidate : a.candidates) candidate.insert(0, before);
+                return a;
+            }
+            if (is_write && e.rights == servobus::access::ro) continue;
+            if (wanted == register_use::read && e.rights == servobus::access::wo) continue;
+            const auto is_it = [&](const std::string& word) {
+                return word.substr(0, word.find('=')) == name;
+            };
+            if (std::ranges::none_of(given, is_it))
+                a.candidates.push_back(name + (is_write ? "=\t" : "\t") + of->sentence(e.address, t));
         }
-        if (is_write && e.rights == servobus::access::ro) continue;
-        if (wanted == register_use::read && e.rights == servobus::access::wo) continue;
-        const auto is_it = [&](const std::string& word) { return word.substr(0, word.find('=')) == name; };
-        if (std::ranges::none_of(given, is_it))
-            a.candidates.push_back(name + (is_write ? "=\t" : "\t") + of->map->sentence(e.address));
     }
     return a;
 }
@@ -151,7 +152,7 @@ answer word_of(const command& of, std::span<const std::string> before, std::stri
     if (is_past && !places.back().ends_with("...")) return {};
     const std::string_view place = is_past ? places.back() : places[index];
     if (place.starts_with("PORT")) return ports(begun);
-    if (place.starts_with("DEVICE")) return device_names(of);
+    if (place.starts_with("DEVICE")) return device_names(of, begun);
     if (place.find("FILE") != place.npos) return files();
     if (place == "[REG]") return registers(device_of(before[0]), begun, register_use::show, {});
     if (place.starts_with("REG")) {

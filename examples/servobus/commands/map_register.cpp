@@ -6,6 +6,7 @@
 
 #include <servobus/registers/format.hpp>
 
+#include "../text/map_text.hpp"
 #include "../text/named_values.hpp"
 
 namespace tool {
@@ -134,13 +135,17 @@ void print_values(const entry& e) {
 
 } // namespace
 
-std::string scale_text(servobus::unit u) { return count_text(1, u); }
-
-void print_register(const device& of, const entry& e) {
+void print_register(const device& of, const chosen& what) {
+    const entry& e = *what.row;
     std::printf("%s\n", static_cast<const char*>(e.name));
-    std::printf("%s\n\n", of.map->sentence(e.address));
+    const std::string_view sentence = of.sentence(e.address, what.form.table);
+    if (!sentence.empty()) std::printf("%s\n", sentence.data());
+    std::printf("\n");
+    const bool is_holding = what.form.table == servobus::table::holding_registers;
     print_line("address", address_text(of, e));
-    print_line("type", std::string{text(e.kind)} + (e.words() == 2 ? ", two registers" : ""));
+    if (!is_holding) print_line("table", table_text(what.form.table));
+    print_line("type",
+               std::string{type_text(e, what.form.table)} + (e.words() == 2 ? ", two registers" : ""));
     print_line("access", access_text(e.rights));
     print_line("range", range_text(e));
     print_line("default", default_text(e));

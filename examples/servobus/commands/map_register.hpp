@@ -4,14 +4,11 @@
 // One register of a map, for people.
 #pragma once
 
-#include "../tool.hpp"
+#include "../session.hpp"
 
 namespace tool {
 
-/// The worth of one count without needless zeros: 1, 0.1, 25.
-std::string scale_text(servobus::unit u);
-
 /// Prints what the catalogue has about a register: name and sentence, then a line for each property.
-void print_register(const device& of, const servobus::entry& e);
+void print_register(const device& of, const chosen& what);
 
 } // namespace tool

@@ -86,12 +86,15 @@ std::vector<assignment> assignments_of(std::span<const job> jobs) {
 // A note if this write wears the drive's EEPROM.
 servobus::status warn_of_wear(session& on, const target& of, const chosen& what) {
     if (what.row == nullptr || !has(what.row->flags, servobus::flag::saved_on_write)) return {};
+    const std::string warning = "warning: " + what.name + " is kept in the EEPROM, which this write wears";
+    if (of.facts().eeprom_switch == 0) {
+        note(warning);
+        return {};
+    }
     bool wears = true;
     const servobus::status why = on.ask_wear(wears);
-    if (why.error() == servobus::errc::exception || (why.error() == servobus::errc::ok && wears)) {
-        note("warning: " + what.name + " is kept in the EEPROM, which this write wears; not while " +
-             of.kind->display_name(of.facts().eeprom_switch) + " is 0");
-    }
+    if (why.error() == servobus::errc::exception || (why.error() == servobus::errc::ok && wears))
+        note(warning + "; not while " + of.kind->display_name(of.facts().eeprom_switch) + " is 0");
     return why.error() == servobus::errc::exception ? servobus::status{} : why;
 }
 

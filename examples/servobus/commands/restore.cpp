@@ -68,6 +68,7 @@ class restoration {
 
   private:
     int look_for_rest(bool only_says_so) {
+        if (of_->kind->at_rest == nullptr) return done; // of a file; see `refuse_moving`
         const repose found = of_->kind->at_rest(on_);
         if (found.why.error() != servobus::errc::ok)
             return complain(failed,
@@ -163,10 +164,14 @@ class restoration {
     }
 
     int count_stores() {
+        const auto is_stored = [](const change& c) { return has(c.row->flags, flag::saved_on_write); };
+        auto stored = static_cast<std::size_t>(std::count_if(changes_.begin(), changes_.end(), is_stored));
         if (of_->facts().eeprom_switch == 0) {
-            note(std::string{"writes into the EEPROM: none"} +
-                 (asked_->has("save") ? ", but one save at the end"
-                                      : "; --save keeps the parameters over a power cycle"));
+            const char* const save = !of_->kind->save ? ""
+                                     : asked_->has("save")
+                                         ? ", but one save at the end"
+                                         : "; --save keeps the parameters over a power cycle";
+            note("writes into the EEPROM: " + (stored == 0 ? "none" : std::to_string(stored)) + save);
             return done;
         }
         bool wears = true;
@@ -174,8 +179,6 @@ class restoration {
         const std::string knob = of_->kind->display_name(of_->facts().eeprom_switch);
         if (why.error() != servobus::errc::ok)
             return complain(failed, knob + ": " + why_text(*of_, why, on_) + "; nothing was written");
-        const auto is_stored = [](const change& c) { return has(c.row->flags, flag::saved_on_write); };
-        auto stored = static_cast<std::size_t>(std::count_if(changes_.begin(), changes_.end(), is_stored));
         if (!wears) {
             note("writes into the EEPROM: none, since " + knob +
                  " is 0; the parameters last until the next power cycle");
@@ -250,6 +253,7 @@ class restoration {
 
     // A terminal may have become active.
     int look_after(const std::string& name) {
+        if (of_->kind->at_rest == nullptr) return done;
         const repose found = of_->kind->at_rest(on_);
         if (found.why.error() != servobus::errc::ok)
             return stop_at("the drive's state after " + name + ": " + why_text(*of_, found.why, on_));
@@ -302,6 +306,26 @@ class restoration {
     std::size_t written_ = 0;
 };
 
+// A file does not say how to see that a drive is at rest. Returns `done`, or the exit status after a complaint.
+int refuse_moving(const device& of) {
+    if (of.at_rest != nullptr) return done;
+    const std::string refused = of.word() + ": restore is refused, since ";
+    if (!of.has_flags)
+        return complain(usage, refused + "the file has no column flags, which says what moves a machine");
+    for (const servobus::table t : all_tables) {
+        for (const servobus::entry& e : of.rows_of(t)) {
+            const bool moves = has(e.flags, flag::motion);
+            if (moves || has(e.flags, flag::when_stopped)) {
+                return complain(usage,
+                                refused + name_of(e) +
+                                    (moves ? " moves a motor" : " is written only while a motor stands") +
+                                    ", and a file does not say how to see that it is at rest");
+            }
+        }
+    }
+    return done;
+}
+
 } // namespace
 
 int restore(const arguments& asked) {
@@ -313,6 +337,7 @@ int restore(const arguments& asked) {
         return complain(usage, std::string{"--save: "} + of->facts().name + " has no command to save");
     if (asked.has("part") && of->kind->most_stored == 0)
         return complain(usage, std::string{"--part: "} + of->facts().name + " takes all at once");
+    if (const int status = refuse_moving(*of->kind); status != done) return status;
     const std::optional<std::vector<parameter>> file = parse_file(*of->kind, asked.words()[2]);
     if (!file) return usage;
     restoration r{*of, asked};

@@ -26,7 +26,7 @@ int simulate(const arguments& asked) {
     if (asked.words().size() != 1) return complain(usage, "sim takes one DEVICE");
     const device* of = find_device(asked.words()[0]);
     if (of == nullptr) return usage;
-    if (of->simulate == nullptr) return complain(usage, std::string{of->facts().name} + " has no simulator");
+    if (of->simulate == nullptr) return complain(usage, of->word() + " has no simulator");
 
     const servobus::profile& facts = of->facts();
     const auto node = asked.number("node", facts.lowest_address, facts.highest_address, facts.lowest_address);

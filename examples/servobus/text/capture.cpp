@@ -50,7 +50,7 @@ std::optional<line_devices> line_devices::parse(std::span<const std::string> wor
         }
         if (&word == words.data()) all.first_ = *one;
         all.longest_response_ = longer_of(all.longest_response_, one->facts().limits.response);
-        const bool has_node = word.find(':') != word.npos;
+        const bool has_node = one->has_node;
         if (has_node ? is_named[one->node] : has_others) {
             complain(usage, has_node ? "two devices at address " + std::to_string(one->node)
                                      : "two devices for the addresses that are not named");
@@ -71,15 +71,19 @@ std::optional<line_devices> line_devices::parse(std::span<const std::string> wor
     return all;
 }
 
-const servobus::catalogue& line_devices::map_of(std::uint8_t node_address) const {
+const servobus::catalogue& line_devices::map_of(std::uint8_t node_address, std::uint8_t function) const {
+    constexpr auto read_inputs = static_cast<std::uint8_t>(servobus::modbus::function::read_input_registers);
     const device* at = by_address_[node_address];
+    if (at != nullptr && at->tables != nullptr && function == read_inputs)
+        return at->tables[static_cast<std::size_t>(servobus::table::input_registers)];
     return at != nullptr ? *at->map : no_map;
 }
 
 servobus::explanation frame_explainer::explain_as(const captured& c, direction way,
                                                   std::span<char> room) const {
     const std::uint8_t node_address = c.frame.empty() ? std::uint8_t{0} : c.frame[0];
-    return servobus::explain(devices_->map_of(node_address), way, c.frame, last_request_, room);
+    const std::uint8_t function = c.frame.size() > 1 ? c.frame[1] & 0x7Fu : std::uint8_t{0};
+    return servobus::explain(devices_->map_of(node_address, function), way, c.frame, last_request_, room);
 }
 
 frame_explainer::explained frame_explainer::explain(const captured& c) {

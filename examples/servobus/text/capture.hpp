@@ -30,7 +30,8 @@ class line_devices {
     /// `DEVICE[:NODE]...`; without NODE at every address that no other has. Complains by itself.
     static std::optional<line_devices> parse(std::span<const std::string> words);
 
-    const servobus::catalogue& map_of(std::uint8_t node_address) const;
+    /// The registers that a frame of this function is about.
+    const servobus::catalogue& map_of(std::uint8_t node_address, std::uint8_t function) const;
     /// The first one.
     const servobus::profile& facts() const { return first_.facts(); }
     /// How long a response of any of them may take.

@@ -1,10 +1,9 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// The command line: options, numbers, complaints.
+// The command line: options, complaints.
 #include "../tool.hpp"
 
-#include <charconv>
 #include <cstdio>
 
 #include "../commands.hpp"
@@ -25,28 +24,6 @@ void note(const std::string& message) {
     ++notes_written;
     (void)streams::flush();
     (void)std::fprintf(stderr, "servobus: %s\n", message.c_str());
-}
-
-std::string hex_word(u16 word) {
-    char text[8];
-    (void)std::snprintf(text, sizeof text, "0x%04X", static_cast<unsigned>(word));
-    return text;
-}
-
-std::optional<std::int64_t> parse_integer(std::string_view text) {
-    const bool is_negative = text.starts_with('-');
-    if (is_negative) text.remove_prefix(1);
-    int base = 10;
-    if (text.starts_with("0x") || text.starts_with("0X")) {
-        text.remove_prefix(2);
-        base = 16;
-    }
-    std::uint64_t value = 0;
-    const char* const end = text.data() + text.size();
-    const auto [stopped, error] = std::from_chars(text.data(), end, value, base);
-    if (text.empty() || error != std::errc{} || stopped != end || value > INT64_MAX) return std::nullopt;
-    const auto magnitude = static_cast<std::int64_t>(value);
-    return is_negative ? -magnitude : magnitude;
 }
 
 namespace {

@@ -5,6 +5,7 @@
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
+#include <map>
 #include <memory>
 #include <set>
 
@@ -49,7 +50,10 @@ std::string_view field(std::string_view line, std::string_view name) {
 // Takes a file's text apart. Each step that fails gives its reason.
 class reader {
   public:
-    reader(const device& of, std::string_view text) : of_{&of}, rest_{text} {}
+    reader(const device& of, std::string_view text) : of_{&of}, rest_{text} {
+        for (const servobus::entry& e : of.map->entries)
+            rows_by_name_.emplace(static_cast<const char*>(e.name), &e);
+    }
 
     /// The reason why the file is refused; empty if it is not.
     std::string read() {
@@ -94,10 +98,8 @@ class reader {
     }
 
     const servobus::entry* find(std::string_view name) const {
-        for (const servobus::entry& e : of_->map->entries) {
-            if (name == std::string_view{e.name}) return &e;
-        }
-        return nullptr;
+        const auto at = rows_by_name_.find(name);
+        return at != rows_by_name_.end() ? at->second : nullptr;
     }
 
     // name=number # remark
@@ -140,6 +142,7 @@ class reader {
 
     const device* of_;
     std::string_view rest_;
+    std::map<std::string_view, const servobus::entry*> rows_by_name_{};
     std::size_t number_ = 0;
     std::optional<std::int64_t> rows_{};
     std::set<std::string, std::less<>> names_{};

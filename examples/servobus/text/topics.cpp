@@ -16,8 +16,18 @@ constinit const std::string_view exit_status = "0 done; 1 refused, unknown, no r
 
 std::span<const topic> topics() {
     static constexpr topic all[] = {
-        {"DEVICE", "zlac8015d, yako-closed-loop, yako-open-loop or c630s; for read, write, watch, listen "
-                   "and explain also raw: any device, without a map."},
+        {"DEVICE",
+         "zlac8015d, yako-closed-loop, yako-open-loop or c630s; for read, write, watch, listen and "
+         "explain also "
+         "raw: any device, without a map.\n\nA word with .csv or / is the path of a file that "
+         "describes a device: "
+         "what map prints, with its registers, and lines \"# key = value\" in front as map "
+         "--profile prints them. "
+         "The header line names the columns; address and name must be there. What is wrong with it "
+         "is said with its "
+         "line, and nothing is sent. Where the file has no column flags, write asks before every "
+         "write, and restore "
+         "is refused; so it is if a row has the flag motion, or the word stopped in the column when."},
         {"NODE", "the address on the line; from the factory 1. If it is not given: 1; for explain and "
                  "listen, all that are not named. raw:0 and raw:255 are units of Modbus TCP: the device or "
                  "the gateway "

@@ -8,6 +8,7 @@
 #include <algorithm>
 
 #include "../session.hpp"
+#include "map_text.hpp"
 #include "named_values.hpp"
 #include "nearest.hpp"
 
@@ -104,14 +105,6 @@ std::optional<decimal> parse_decimal(std::string_view text) {
     return d;
 }
 
-// An address as programs or manuals write it: 0x2088, 8328, 2088h.
-std::optional<std::int64_t> parse_address(std::string_view text) {
-    if (text.size() < 2 || (text.back() != 'h' && text.back() != 'H')) return parse_integer(text);
-    text.remove_suffix(1);
-    const bool is_hex = text.find_first_not_of("0123456789abcdefABCDEF") == text.npos;
-    return is_hex ? parse_integer("0x" + std::string{text}) : std::nullopt;
-}
-
 // The raw content of a register, as hex; for a signed one its bits.
 std::optional<std::int64_t> parse_content(const entry& e, std::string_view text) {
     const std::optional<std::int64_t> bits = parse_integer(text);
@@ -158,18 +151,39 @@ std::string codes_of(const entry& e) {
 
 std::string what_it_takes(const entry& e) { return e.values.empty() ? "" : "; it takes " + codes_of(e); }
 
-chosen choose(const entry& e) { return {std::string{e.name}, e.address, static_cast<u16>(e.words()), &e}; }
+chosen choose(const entry& e, servobus::table in) {
+    raw_form form{.table = in};
+    if (is_of_bits(in)) form.type = raw_type::bit;
+    return {std::string{e.name}, e.address, static_cast<u16>(e.words()), &e, form};
+}
+
+// `input:0x30` is in the table of input registers. Removes the table from `text`.
+static servobus::table take_table(std::string_view& text) {
+    for (const servobus::table t : all_tables) {
+        const std::string before = table_text(t) + std::string{':'};
+        if (!text.starts_with(before)) continue;
+        text.remove_prefix(before.size());
+        return t;
+    }
+    return servobus::table::holding_registers;
+}
 
 std::optional<chosen> parse_register(const target& of, std::string_view text) {
     if (of.kind == nullptr) return parse_raw_register(text);
-    for (const entry& e : of.kind->map->entries) {
-        if (text == std::string_view{e.name}) return choose(e);
+    for (const servobus::table t : all_tables) {
+        for (const entry& e : of.kind->rows_of(t)) {
+            if (text == std::string_view{e.name}) return choose(e, t);
+        }
     }
-    std::optional<std::int64_t> address = parse_address(text);
+    std::string_view place = text;
+    const servobus::table in =
+        of.kind->tables != nullptr ? take_table(place) : servobus::table::holding_registers;
+    std::optional<std::int64_t> address = parse_address(place);
     if (!address && of.kind->number != nullptr) address = of.kind->number(text);
     if (address && *address >= 0 && *address <= 0xFFFF) {
-        const entry* e = of.kind->map->find(static_cast<u16>(*address));
-        if (e != nullptr && e->address == *address) return choose(*e);
+        const servobus::catalogue rows{of.kind->map->device, of.kind->rows_of(in)};
+        const entry* e = rows.find(static_cast<u16>(*address));
+        if (e != nullptr && e->address == *address) return choose(*e, in);
         if (e != nullptr) {
             complain(usage, std::string{text} + " is the second word of " + std::string{e->name} + " (" +
                                 hex_word(e->address) + "), which is read and written whole");
@@ -177,13 +191,15 @@ std::optional<chosen> parse_register(const target& of, std::string_view text) {
         }
     }
     std::vector<std::string_view> names;
-    for (const entry& e : of.kind->map->entries) names.emplace_back(static_cast<const char*>(e.name));
+    for (const servobus::table t : all_tables) {
+        for (const entry& e : of.kind->rows_of(t)) names.emplace_back(static_cast<const char*>(e.name));
+    }
     const std::string device_name = of.facts().name;
     complain(
         usage,
         device_name + " has no register '" + std::string{text} + "'" +
             did_you_mean(text, names,
-                         "; servobus map " + device_name + " lists them" +
+                         "; servobus map " + of.kind->word() + " lists them" +
                              (of.kind->number != nullptr ? ", a parameter number is written P0B-17" : "")));
     return std::nullopt;
 }
@@ -203,7 +219,8 @@ std::vector<chosen> parse_readable(const target& of, const arguments& asked) {
 }
 
 std::string value_text(const chosen& what, std::span<const u16> words) {
-    if (what.row == nullptr) return raw_text(what.form, words);
+    const bool is_plain_bit = what.form.is_bit() && what.row != nullptr && what.row->values.empty();
+    if (what.row == nullptr || is_plain_bit) return raw_text(what.form, words);
     char room[512];
     servobus::text_writer text{room};
     const u32 bits = words.size() == 2 ? servobus::join_words(words[0], words[1], high_first) : u32{words[0]};
@@ -232,6 +249,8 @@ std::optional<std::vector<u16>> parse_value(const chosen& what, std::string_view
         const std::optional<std::int64_t> content = parse_content(e, text);
         if (!content) return refuse("'" + shown + "' does not fit the register");
         count = *content;
+    } else if (what.form.is_bit() && e.values.empty() && (text == "on" || text == "off")) {
+        count = text == "on" ? 1 : 0;
     } else if (const auto word = parse_names(e, text)) { // first, since a name may begin with a digit: 8N1
         count = *word;
     } else if (e.names == servobus::naming::names && !is_number(text)) {
@@ -240,7 +259,8 @@ std::optional<std::vector<u16>> parse_value(const chosen& what, std::string_view
         return refuse("two values in one word: give the content as 0x....");
     } else {
         const reading_error error = parse_quantity(e, text, count);
-        if (error == reading_error::no_number) return refuse("'" + shown + "' is no number");
+        if (error == reading_error::no_number)
+            return refuse("'" + shown + (what.form.is_bit() ? "' is neither on nor off" : "' is no number"));
         if (error == reading_error::inexact) {
             if (has(e.flags, servobus::flag::scaled_elsewhere))
                 return refuse("another register sets the scale: give whole counts, not '" + shown + "'");

@@ -102,6 +102,8 @@ struct entry {
     flag flags;
     naming names = naming::number;
     std::span<const named_value> values{};
+    /// Of a pair whose word order is not that of its device; `unknown`: that of the profile.
+    word_order own_word_order = word_order::unknown;
 
     constexpr std::size_t words() const {
         return kind == value_kind::unsigned_pair || kind == value_kind::signed_pair ? 2 : 1;

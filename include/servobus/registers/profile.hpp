@@ -34,6 +34,9 @@ class exception_table {
     template <unsigned N>
     constexpr exception_table(const exception_meaning (&table)[N]) // NOLINT: an array is a table
         : begin_{table}, end_{table + N} {}
+    /// A table that was made at run time. It must outlive the view.
+    constexpr exception_table(const exception_meaning* begin, const exception_meaning* end)
+        : begin_{begin}, end_{end} {}
 
     constexpr const exception_meaning* begin() const { return begin_; }
     constexpr const exception_meaning* end() const { return end_; }

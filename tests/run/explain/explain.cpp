@@ -159,6 +159,31 @@ TEST_CASE("where the word order can be switched, a 32-bit value is read in the f
         CHECK(speed_of(initial) == unknown_word_order + halves);
 }
 
+TEST_CASE("a pair with a word order of its own is read in that one") {
+    static constexpr profile mixed{
+        .name = "mixed", .word_order = word_order::unknown, .word_order_register = 5};
+    const auto said_with = [](word_order own) {
+        entry order{};
+        order.address = 5;
+        order.initial = 0;
+        entry pair{};
+        pair.address = 7;
+        pair.name = "place";
+        pair.kind = value_kind::unsigned_pair;
+        pair.limits = full<u32>;
+        pair.own_word_order = own;
+        const std::array<entry, 2> entries{order, pair};
+        const catalogue map{&mixed, entries};
+        const std::array<std::uint16_t, 2> words{0x0001, 0x0002};
+        return say(request, modbus::write_frame(1, 7, words), {}, map).text + "; " +
+               say(request, modbus::read_frame(1, 7, 1), {}, map).text;
+    };
+    CHECK(said_with(word_order::low_first) ==
+          "node 1: write place (0x0007) = 131073 (read-only); node 1: read low word of place (0x0007)");
+    CHECK(said_with(word_order::high_first) ==
+          "node 1: write place (0x0007) = 65538 (read-only); node 1: read high word of place (0x0007)");
+}
+
 TEST_CASE("addresses that are not in the catalogue are explained as unknown registers") {
     CHECK(say(request, modbus::read_frame(1, 0x3000, 1)).text == "node 1: read unknown register (0x3000)");
     CHECK(say(request, modbus::read_frame(1, 0x20AF, 4)).text ==

@@ -45,14 +45,15 @@ class register_text {
             }
             const std::size_t size = e->words();
             const bool is_whole = at == e->address && i + size <= quantity;
-            if (!is_whole) out_ << half_of_pair(at == e->address);
+            if (!is_whole) out_ << half_of_pair(*e, at == e->address);
             out_ << e->name;
             if (how != kind::values) put_address(at);
             if (i < words.size()) {
                 out_ << " = ";
                 if (is_whole) {
                     value(*e, words, i, how);
-                    is_reorderable = is_reorderable || (is_factory_word_order_ && size == 2);
+                    is_reorderable =
+                        is_reorderable || (is_factory_word_order_ && size == 2 && !has_own_order(*e));
                 } else {
                     out_.hex_word(words[i]);
                 }
@@ -77,12 +78,13 @@ class register_text {
     constexpr void value(const entry& e, words_view words, std::size_t i, kind how) {
         u32 bits = words[i];
         if (e.words() == 2) {
-            if (word_order_ == word_order::unknown) {
+            const word_order order = order_of(e);
+            if (order == word_order::unknown) {
                 out_.hex_word(words[i]) << ' ';
                 out_.hex_word(words[i + 1]) << " (word order unknown)";
                 return;
             }
-            bits = join_words(words[i], words[i + 1], word_order_);
+            bits = join_words(words[i], words[i + 1], order);
         }
         put_value(out_, e, bits);
         if (how == kind::request && !e.limits.contains(e.number(bits))) {
@@ -94,10 +96,15 @@ class register_text {
         }
     }
 
-    constexpr const char* half_of_pair(bool is_first) const {
-        if (word_order_ == word_order::unknown || is_factory_word_order_)
+    static constexpr bool has_own_order(const entry& e) { return e.own_word_order != word_order::unknown; }
+    constexpr word_order order_of(const entry& e) const {
+        return has_own_order(e) ? e.own_word_order : word_order_;
+    }
+
+    constexpr const char* half_of_pair(const entry& e, bool is_first) const {
+        if (order_of(e) == word_order::unknown || (is_factory_word_order_ && !has_own_order(e)))
             return is_first ? "first word of " : "second word of ";
-        return is_first == (word_order_ == word_order::high_first) ? "high word of " : "low word of ";
+        return is_first == (order_of(e) == word_order::high_first) ? "high word of " : "low word of ";
     }
 
     // Writes consecutive addresses that the catalogue does not have. Returns how many there are.

@@ -1,0 +1,85 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// Any bytes as a file that describes a device, as the tool reads it. A file is refused with its line, in a line of plain
+// text; or its registers are in order and do not contradict themselves, and its map as a file is the same map again.
+#include <algorithm>
+#include <charconv>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <string_view>
+
+#include "../examples/servobus/text/csv.cpp"
+#include "../examples/servobus/text/device_file.cpp"
+#include "../examples/servobus/text/device_profile.cpp"
+#include "../examples/servobus/text/device_row.cpp"
+#include "../examples/servobus/text/map_text.cpp"
+#include "../examples/servobus/text/nearest.cpp"
+#include "../examples/servobus/text/numbers.cpp"
+#include "support.hpp"
+
+using fuzz::require;
+
+namespace {
+
+std::string map_of(const tool::device_file& file) {
+    std::string text = tool::profile_lines(*file.tables()[0].device) + tool::map_header(true) + '\n';
+    for (const servobus::table t : tool::all_tables) {
+        const servobus::catalogue& rows = file.tables()[static_cast<std::size_t>(t)];
+        for (const servobus::entry& e : rows.entries)
+            text += tool::map_row(e, *rows.device, rows.sentence(e.address), t) + '\n';
+    }
+    return text;
+}
+
+void judge_refusal(std::string_view why, std::string_view text) {
+    std::size_t line = 0;
+    const auto [end, error] = std::from_chars(why.data(), why.data() + why.size(), line);
+    require(error == std::errc{} && std::string_view{end, why.data() + why.size()}.substr(0, 2) == ": ",
+            "a refusal begins with a line");
+    const auto ends = static_cast<std::size_t>(std::ranges::count(text, '\n'));
+    require(line >= 1 && line <= ends + 1, "the line is one of the file");
+    require(why.size() < 1000, "a refusal is short");
+    require(std::ranges::all_of(why, [](char c) { return c >= ' ' && c <= '~'; }), "a refusal is plain text");
+}
+
+void judge_row(const servobus::entry& e) {
+    const servobus::range within = e.limits;
+    require(within.low <= within.high, "a range is low to high");
+    require(e.initial == servobus::no_default || within.contains(e.initial), "a default is in its range");
+    require(e.address + e.words() <= 0x1'0000, "a pair ends inside the addresses");
+    require(e.unit_of_count.numerator != 0 && e.unit_of_count.denominator != 0,
+            "a scale is no division by 0");
+    for (const servobus::named_value& v : e.values)
+        require((v.value & ~v.mask) == 0 && v.name[0] != '\0', "a name is of bits inside its mask");
+}
+
+} // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+    // A buffer of the exact size, without a zero after it.
+    const std::vector<char> bytes{data, data + size};
+    const std::string_view text{bytes.data(), bytes.size()};
+    const auto file = std::make_unique<tool::device_file>();
+    const std::string why = file->parse("device.csv", text);
+    if (!why.empty()) {
+        judge_refusal(why, text);
+        return 0;
+    }
+    std::size_t count = 0;
+    for (const servobus::catalogue& rows : file->tables()) {
+        require(servobus::is_in_order(rows.entries), "rows are in order and do not overlap");
+        require(rows.descriptions.empty() || servobus::is_described(rows.entries, rows.descriptions),
+                "each row has its sentence");
+        for (const servobus::entry& e : rows.entries) judge_row(e);
+        count += rows.entries.size();
+    }
+    require(count != 0, "a device has a row");
+    const std::string map = map_of(*file);
+    const auto again = std::make_unique<tool::device_file>();
+    const std::string why_not = again->parse("device.csv", map);
+    require(why_not.empty(), "the map of a file is a file");
+    require(map_of(*again) == map, "and its map is the same");
+    return 0;
+}
