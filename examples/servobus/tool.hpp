@@ -113,7 +113,8 @@ struct device {
     bool (*excludes)(u16 one, u16 other) = nullptr;  ///< registers that may not both hold a word above 0
     const char* file = nullptr;                      ///< its path; null for a drive that the tool knows
     bool has_flags = true;                           ///< false: nothing says which registers move a machine
-    /// Of a file: the rows of all tables, in the order of `servobus::table`; those of holding registers are `map`.
+    /// Points to the tables of a file, in the order of `servobus::table`; null for a drive that the tool knows, whose rows are
+    /// all in `map`.
     const servobus::catalogue* tables = nullptr;
 
     const servobus::profile& facts() const { return *map->device; }
@@ -137,7 +138,7 @@ inline constexpr servobus::table all_tables[] = {servobus::table::coils, servobu
                                                  servobus::table::holding_registers,
                                                  servobus::table::input_registers};
 
-/// What a row of the tool's drives must give. A row that leaves it out does not compile.
+/// Holds what a row of the tool's drives must give. A row that leaves it out does not compile.
 template <class T> class required {
   public:
     constexpr required(T& given) : given_{&given} {} // NOLINT: implicit, a row names what it gives

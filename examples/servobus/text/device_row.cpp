@@ -383,7 +383,7 @@ class row_reader {
         return {};
     }
 
-    // What is typed after REG= must mean one thing.
+    // A text that is typed after REG= must mean one thing.
     std::string judge_name(const cell_name& n) const {
         const auto is_good = [](char c) { return c >= ' ' && c <= '~' && c != '+' && c != ',' && c != '"'; };
         if (n.name.empty()) return "a code or bit has no name";

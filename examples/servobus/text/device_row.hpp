@@ -25,7 +25,7 @@ struct cell_name {
     std::string_view name;
 };
 
-/// What a row says. `entry.values` is empty: `names` has them.
+/// Holds what a row says. `entry.values` is empty: `names` has them.
 struct device_row {
     servobus::table table = servobus::table::holding_registers;
     servobus::entry entry{};

@@ -67,7 +67,7 @@ const char* type_text(const servobus::entry& e, servobus::table t);
 /// How a word order is written: `high`, `low`; `selectable` for `unknown`.
 const char* word_order_text(servobus::word_order order);
 
-/// What one count is worth, without the symbol: `0.1`, `1/3`.
+/// Returns what one count is worth, without the symbol: `0.1`, `1/3`.
 std::string scale_text(servobus::unit u);
 
 /// The header line, without its end.

@@ -53,7 +53,8 @@ class axle {
     /// Without wheels: no step of it is added, and no drive is taken over with it, since it has no counts.
     constexpr axle() = default;
 
-    /// Makes an axle and computes its ratios. A track of less than 1 mm, of 16 m and more, and ratios that are too fine do not compile.
+    /// Makes an axle and computes its ratios. A track of less than 1 mm, of 16 m and more, and ratios that are too fine do not
+    /// compile.
     static consteval axle of(const parts& p) {
         if (!has_wheels(p)) detail::a_turn_has_1_to_2_28_counts();
         if (!has_track(p)) detail::a_track_is_at_least_1_mm_and_less_than_16_m();
@@ -86,7 +87,7 @@ class axle {
     constexpr const detail::axle_ratios& ratios() const { return ratios_; }
 
   private:
-    // What an axle turns in a count: travel / (counts * track), in lowest terms.
+    // Says what an axle turns in a count: travel / (counts * track), in lowest terms.
     struct turning {
         std::uint64_t travel = 0;
         std::uint64_t parts = 0; // 0 if it has more than 62 bits
