@@ -178,6 +178,22 @@ struct hoist {
 struct slow_sensor {
     static constexpr profile facts{.name = "slow sensor", .baud = 9600};
 };
+// A format that no device has from its factory.
+struct fan {
+    static constexpr profile facts{.name = "fan", .baud = 9600, .format = n82};
+    static constexpr format_choice formats[] = {{n82, 0}, {o81, 4}};
+    static constexpr line_choices on_line{.formats = formats, .format_register = 6, .needs_save = true};
+};
+struct pump {
+    static constexpr profile facts{.name = "pump", .baud = 9600, .format = e81};
+    static constexpr format_choice formats[] = {{e81, 1}, {o81, 2}};
+    static constexpr line_choices on_line{.formats = formats, .format_register = 7};
+};
+constexpr auto fan_and_pump = settings_on_one_line(node<fan>{1}, node<pump>{2});
+static_assert(fan_and_pump.format == o81 && fan_and_pump.baud == 9600);
+static_assert(fan_and_pump.changes[0].format.address == 6 && fan_and_pump.changes[0].format.code == 4);
+static_assert(!fan_and_pump.changes[0].rate && fan_and_pump.changes[0].needs_save);
+static_assert(fan_and_pump.changes[1].format.address == 7 && fan_and_pump.changes[1].format.code == 2);
 constexpr device_on_line hoist_and_sensor[] = {on_line<hoist>(), on_line<slow_sensor>()};
 static_assert(find_settings_on_one_line(hoist_and_sensor).error() == errc::bad_argument);
 

@@ -838,6 +838,41 @@ TEST_CASE("a stepper that a wired stop has stopped stays at rest once that is re
     CHECK(r.place() > stopped_at + 300);
 }
 
+TEST_CASE(
+    "a setpoint that says that the motor is elsewhere, or not there in time, ends that motion is allowed") {
+    constexpr y::motion_profile slow{5 * r_per_min, 100 * millisecond, 100 * millisecond, 60 * r_per_min};
+    const auto play = [&](std::int32_t way, wait_reached wait, bool is_stopped) {
+        simulated::closed_axis r;
+        setpoint_loop loop{r.drive, take_over{disable{}, y::set_input{y::input::x3, y::input_function::stop}},
+                           enable{}, setpoints<wait_reached>{}};
+        errc seen = errc::ok;
+        const auto go = [&](std::uint32_t ms) {
+            const std::uint64_t end = r.wire.time_us() + std::uint64_t{ms} * 1000;
+            while (r.wire.time_us() < end) {
+                const duration idle = loop.step();
+                if (const loop_report ended = loop.take_report(); ended.what == loop_part::setpoint)
+                    seen = ended.how.error();
+                r.wire.wait(idle.us == 0 ? microseconds(10) : idle);
+            }
+        };
+        go(1000);
+        loop.enable();
+        go(500);
+        REQUIRE(loop.is_motion_allowed());
+        REQUIRE(loop.begin(y::move_by{way * pulse, slow}) == errc::ok);
+        go(300);
+        r.model.set_input(3, is_stopped);
+        loop.set(wait);
+        go(1500);
+        CHECK(loop.is_motion_allowed() == (seen == errc::ok));
+        CHECK(r.drive.state() == drive_state::enabled);
+        return seen;
+    };
+    CHECK(play(20, {}, false) == errc::ok);
+    CHECK(play(5000, {milliseconds(200)}, false) == errc::not_reached);
+    CHECK(play(5000, {}, true) == errc::stopped_short);
+}
+
 namespace {
 // A drive of a program's own that stays energised, and says that an input holds it.
 struct held_stepper : y::model<y::closed_loop::device> {
