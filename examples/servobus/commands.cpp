@@ -59,6 +59,8 @@ constexpr option sim_options[] = {
     {"faults", "LIST", "late,lossy,noisy,doubled,cut,unplugged or none",
      "late lossy noisy doubled cut unplugged none"},
     {"echo", "on|off", "on: as after an adapter that receives what it sends"},
+    {"strict-rate", "on|off",
+     "on: it responds only to a program that has set its rate, as a real one; on Linux"},
 };
 
 constexpr option write_options[] = {{"yes", "", "does not ask; without it standard input must say write"}};
@@ -101,6 +103,21 @@ constexpr option restore_options[] = {
     {"save", "", "commands one save at the end (zlac8015d, yako-*; a c630s keeps every write)"},
     {"part", "", "where more than the drive takes at once differ (c630s: 200), the first of them"},
 };
+
+constexpr option apply_options[] = {
+    {"at", "NODE",
+     "where the drive is now, if it is not yet where the file has it; so with --baud and --format"},
+    {"dry-run", "", "shows what differs and writes nothing"},
+    {"yes", "", "does not ask; without it standard input must say apply"},
+    {"part", "", "where more than the drive takes at once differ (c630s: 200), the first of them"},
+};
+
+constexpr option diff_options[] = {
+    {"at", "NODE",
+     "where the drive is now, if it is not yet where the file has it; so with --baud and --format"},
+};
+
+constexpr option turn_options[] = {{"turns", "N", "how many turns (default 10)"}};
 
 constexpr option map_options[] = {
     {"long", "", "one more column, description, after unit: what the register does, a sentence in quotes"},
@@ -147,7 +164,9 @@ constexpr command table[] = {
      .summary = "a simulated drive",
      .about = "Prints the path of the pseudo-terminal on which the drive responds and runs until SIGINT "
               "or SIGTERM. SIGUSR1 pulls the plug of the line, and puts it in again: nothing passes "
-              "either way, while the drive runs on.",
+              "either way, while the drive runs on. SIGUSR2 switches the drive off and on. A device of a "
+              "file keeps what is written to its rows, and "
+              "refuses what they do not allow.",
      .options = sim_options,
      .run = simulate},
     {.name = "read",
@@ -224,6 +243,40 @@ constexpr command table[] = {
      .options = restore_options,
      .shared = line_only,
      .run = restore},
+    {.name = "apply",
+     .words = "PORT FILE [NAME...]",
+     .summary = "a machine's parameters from a file",
+     .about =
+         "Brings the drives of a machine file, or those that are named, to what it says. Checks the whole "
+         "file "
+         "before it sends anything, finds each drive, and refuses while one is enabled or moves, or if it is "
+         "not what the file requires. Then it prints what differs and how many writes into the EEPROM that "
+         "costs, asks, writes only that, reads each back, sets rate and address last and looks for the drive "
+         "there, saves, and compares again. Run again after an end of any kind, it goes on there; where "
+         "all is as the file says, it writes nothing. FILE.unsaved names the drives that are written but not "
+         "saved.",
+     .options = apply_options,
+     .shared = line_only,
+     .run = apply},
+    {.name = "diff",
+     .words = "PORT FILE [NAME...]",
+     .summary = "a machine's parameters compared",
+     .about =
+         "Compares the drives of a machine file, or those that are named, with what it says, and prints what "
+         "differs: from the drive's value to the file's. It only reads. Status 1 if anything differs.",
+     .options = diff_options,
+     .shared = line_only,
+     .run = diff},
+    {.name = "turn",
+     .words = "PORT DEVICE[:NODE]",
+     .summary = "counts of a shaft turned by hand",
+     .about =
+         "Reads the positions of a drive that is not enabled, waits for Enter while a person turns the shaft "
+         "forward by whole turns, and prints the counts of a turn and the direction. Status 1 if the drive's "
+         "settings say another number.",
+     .options = turn_options,
+     .shared = line_only,
+     .run = turn},
     {.name = "header",
      .words = "DEVICE",
      .summary = "a device as a C++ header",

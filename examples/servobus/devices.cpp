@@ -2,30 +2,19 @@
 // SPDX-License-Identifier: BSL-1.0
 //
 // The drives by name, and the devices of files by their paths.
+#include <algorithm>
+#include <cstdlib>
 #include <deque>
+#include <string>
+#include <vector>
 
-#include <servobus/device/c630s/assignments.hpp>
-#include <servobus/device/c630s/catalogue.hpp>
-#include <servobus/device/yako/closed_loop_catalogue.hpp>
-#include <servobus/device/yako/open_loop_catalogue.hpp>
-#include <servobus/device/zlac8015d/catalogue.hpp>
-
+#include "devices/registered_drive.hpp"
 #include "text/device_file.hpp"
 #include "text/nearest.hpp"
 #include "tool.hpp"
 
 namespace tool {
 namespace {
-
-int c630s_parameter(std::string_view text) {
-    return servobus::c630s::detail::parameter_address(text.data(), text.size());
-}
-
-constexpr save_command zlac8015d_save{servobus::zlac8015d::save_parameters.address,
-                                      static_cast<u16>(servobus::zlac8015d::parameter_save::save_all),
-                                      servobus::zlac8015d::mode_of_operation.address}; // [errata B11]
-constexpr save_command yako_save{servobus::yako::auxiliary_command.address,
-                                 static_cast<u16>(servobus::yako::auxiliary::save_parameters)};
 
 constexpr std::size_t largest_file = 32'000'000; // bytes
 
@@ -61,6 +50,12 @@ const device* load(std::string_view path, std::string& why) {
     return &one.of;
 }
 
+// Filled before `main` begins, and not changed after.
+std::vector<device>& all_drives() {
+    static std::vector<device> all;
+    return all;
+}
+
 const device* find_known(std::string_view name) {
     for (const device& d : devices()) {
         if (name == d.facts().name) return &d;
@@ -70,46 +65,22 @@ const device* find_known(std::string_view name) {
 
 } // namespace
 
-std::span<const device> devices() {
-    static constexpr device known[] = {
-        known_drive{.map = servobus::zlac8015d::catalogue,
-                    .simulate = simulate_zlac8015d,
-                    .alarms = zlac8015d_alarms,
-                    .at_rest = zlac8015d_at_rest,
-                    .stops = zlac8015d_stops,
-                    .save = zlac8015d_save},
-        known_drive{.map = servobus::yako::closed_loop::catalogue,
-                    .simulate = simulate_yako_closed_loop,
-                    .alarms = yako_alarms,
-                    .at_rest = yako_at_rest,
-                    .stops = yako_stops,
-                    .save = yako_save},
-        known_drive{.map = servobus::yako::open_loop::catalogue,
-                    .simulate = simulate_yako_open_loop,
-                    .alarms = yako_alarms,
-                    .at_rest = yako_at_rest,
-                    .stops = yako_stops,
-                    .save = yako_save},
-        // More than 200 stored parameters raise the alarm Er.942.
-        known_drive{.map = servobus::c630s::catalogue,
-                    .simulate = simulate_c630s,
-                    .alarms = c630s_alarms,
-                    .at_rest = c630s_at_rest,
-                    .stops = c630s_stops,
-                    .number = c630s_parameter,
-                    .most_stored = 200,
-                    .excludes = servobus::c630s::excludes},
-    };
-    return known;
+std::span<const device> devices() { return all_drives(); }
+
+registered_drive::registered_drive(const known_drive& row) {
+    const device added = row;
+    std::vector<device>& all = all_drives();
+    const auto name = [](const device& d) { return std::string_view{d.facts().name}; };
+    const auto place = std::ranges::lower_bound(all, name(added), {}, name);
+    if (place != all.end() && name(*place) == name(added)) {
+        (void)complain(failed, "two drives of this program have the name " + std::string{name(added)});
+        std::_Exit(failed);
+    }
+    all.insert(place, added);
 }
 
-const device* find_device(std::string_view word) {
-    if (is_file(word)) {
-        std::string why;
-        const device* const of = load(word, why);
-        if (of == nullptr) complain(usage, why);
-        return of;
-    }
+const device* find_device(std::string_view word, std::string& why) {
+    if (is_file(word)) return load(word, why);
     if (const device* const of = find_known(word)) return of;
     std::vector<std::string_view> names;
     std::string known = "; known: ";
@@ -118,8 +89,15 @@ const device* find_device(std::string_view word) {
         known += d.facts().name;
         names.push_back(d.facts().name);
     }
-    complain(usage, "unknown device '" + std::string{word} + "'" + did_you_mean(word, names, known));
+    why = "unknown device '" + std::string{word} + "'" + did_you_mean(word, names, known);
     return nullptr;
+}
+
+const device* find_device(std::string_view word) {
+    std::string why;
+    const device* const of = find_device(word, why);
+    if (of == nullptr) complain(usage, why);
+    return of;
 }
 
 const device* find_device_quietly(std::string_view word) {

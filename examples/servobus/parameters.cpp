@@ -75,10 +75,12 @@ std::string number_text(const entry& row, std::int64_t number) {
 
 std::optional<std::vector<parameter>> read_parameters(session& on, const target& of, row_list rows) {
     std::vector<parameter> all;
-    progress shown{"reading", rows.size()};
+    constexpr std::size_t worth_showing = 20;
+    std::optional<progress> shown;
+    if (rows.size() >= worth_showing) shown.emplace("reading", rows.size());
     while (!rows.empty()) {
         if (interrupts::came()) {
-            shown.end();
+            shown.reset();
             complain(failed, "interrupted while reading; nothing was written");
             return std::nullopt;
         }
@@ -86,13 +88,13 @@ std::optional<std::vector<parameter>> read_parameters(session& on, const target&
         servobus::status why = read_some(on, some, all);
         if (why.error() == servobus::errc::exception) why = read_each(on, of, some, all);
         if (why.error() != servobus::errc::ok) {
-            shown.end();
+            shown.reset();
             complain(failed,
                      std::string{some[0]->name} + ": " + why_text(of, why, on) + "; nothing was written");
             return std::nullopt;
         }
         rows = rows.subspan(some.size());
-        shown.at(all.size());
+        if (shown) shown->at(all.size());
     }
     return all;
 }

@@ -76,6 +76,10 @@ std::string value_text(const chosen& what, std::span<const u16> words);
 
 /// Why a row with `flag::zero_by_name` takes no 0 here, and what writes it.
 std::string undocumented_zero(const servobus::entry& e);
+/// Sets `words` for VALUE, which was given for a row; the high word of a pair is first. Returns the reason, which begins
+/// with the row's name, if the register cannot hold it exactly or may not be written; else an empty text.
+std::string read_value(const servobus::entry& row, bool is_bit, std::string_view text,
+                       std::vector<u16>& words);
 /// The words for VALUE, which was given for a register; the high word of a pair is first. Complains by itself
 /// if the register cannot hold it exactly or may not be written.
 std::optional<std::vector<u16>> parse_value(const chosen& what, std::string_view text);
@@ -102,6 +106,13 @@ class session {
 
     /// Returns `done`, or the exit status after a complaint.
     int check(const arguments& asked, const target& of);
+    /// After `check`: the rate and format of a drive whose command line does not say them.
+    void set_rate(std::uint32_t baud, servobus::character_format format) {
+        settings_.baud = baud;
+        settings_.format = format;
+    }
+    std::uint32_t baud() const { return settings_.baud; }
+    servobus::character_format format() const { return settings_.format; }
     int open(const char* path);
 
     /// Errors: those of `client::read_words`; `unexpected_value` if the drive's word order is none.

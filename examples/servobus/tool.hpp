@@ -16,6 +16,7 @@
 #include <servobus/control/advice.hpp>
 #include <servobus/core/result.hpp>
 #include <servobus/registers/catalogue.hpp>
+#include <servobus/registers/line_choices.hpp>
 #include <servobus/sim/faults.hpp>
 
 namespace tool {
@@ -73,6 +74,7 @@ struct simulation {
     servobus::sim::fault_plan faults{};
     /// What the other end sends comes back to it, as from an adapter that receives what it sends.
     bool echoes = false;
+    bool has_strict_rate = false; ///< no response at another rate than its own
     const char* link = nullptr;
 };
 
@@ -89,6 +91,18 @@ struct save_command {
     u16 address;
     u16 value;
     u16 cleared_first = 0; ///< a register that must read 0 when it is given; 0: none
+};
+
+/// A position that turns with a shaft by hand.
+struct turned_shaft {
+    const char* name;       ///< `left`
+    u16 position;           ///< its register
+    std::int64_t counts;    ///< of a turn, as the drive's settings say; 0: they do not
+    const char* where_said; ///< `4 x left_encoder_lines`
+};
+struct turned_shafts {
+    servobus::status why{}; ///< why its settings could not be read
+    std::vector<turned_shaft> all{};
 };
 
 /// A row of a drive's table of alarms.
@@ -111,8 +125,13 @@ struct device {
     int (*number)(std::string_view) = nullptr;       ///< the address of a parameter number
     unsigned most_stored = 0;                        ///< writes into the EEPROM without an alarm; 0: any
     bool (*excludes)(u16 one, u16 other) = nullptr;  ///< registers that may not both hold a word above 0
-    const char* file = nullptr;                      ///< its path; null for a drive that the tool knows
-    bool has_flags = true;                           ///< false: nothing says which registers move a machine
+    /// Null: it does not count what is turned by hand.
+    turned_shafts (*turning)(session&) = nullptr;
+    /// Where its rate and format are set; null: nothing says it.
+    const servobus::line_choices* on_line = nullptr;
+    u16 node_register = 0;      ///< where its address is set; 0: nothing says it
+    const char* file = nullptr; ///< its path; null for a drive that the tool knows
+    bool has_flags = true;      ///< false: nothing says which registers move a machine
     /// Points to the tables of a file, in the order of `servobus::table`; null for a drive that the tool knows, whose rows are
     /// all in `map`.
     const servobus::catalogue* tables = nullptr;
@@ -138,47 +157,15 @@ inline constexpr servobus::table all_tables[] = {servobus::table::coils, servobu
                                                  servobus::table::holding_registers,
                                                  servobus::table::input_registers};
 
-/// Holds what a row of the tool's drives must give. A row that leaves it out does not compile.
-template <class T> class required {
-  public:
-    constexpr required(T& given) : given_{&given} {} // NOLINT: implicit, a row names what it gives
-    constexpr T* get() const { return given_; }
-
-  private:
-    T* given_;
-};
-
-/// A row of the tool's drives, see `device`.
-struct known_drive {
-    required<const servobus::catalogue> map;
-    required<int(const simulation&)> simulate;
-    required<std::vector<alarm_row>()> alarms;
-    required<repose(session&)> at_rest;
-    required<bool(u16 address, u16 word)> stops;
-    std::optional<save_command> save = std::nullopt;
-    int (*number)(std::string_view) = nullptr;
-    unsigned most_stored = 0;
-    bool (*excludes)(u16 one, u16 other) = nullptr;
-
-    constexpr operator device() const { // NOLINT: implicit, a row is a device
-        return {.map = map.get(),
-                .simulate = simulate.get(),
-                .alarms = alarms.get(),
-                .at_rest = at_rest.get(),
-                .stops = stops.get(),
-                .save = save,
-                .number = number,
-                .most_stored = most_stored,
-                .excludes = excludes};
-    }
-};
-
-/// The drives that the tool knows, without those of files.
+/// The drives that the tool knows, by their names, without those of files. Each registers itself: see
+/// devices/registered_drive.hpp.
 std::span<const device> devices();
 /// The drive of that name, or the device of a file; a word with `.csv` or `/` is a file's path. The same word is the same
 /// device. Complains by itself.
 const device* find_device(std::string_view word);
-/// As above, but null without a complaint.
+/// As above, but sets `why` in place of a complaint.
+const device* find_device(std::string_view word, std::string& why);
+/// As above, but null without a reason.
 const device* find_device_quietly(std::string_view word);
 
 /// DEVICE[:NODE] in its parts. The colon of `C:/meter.csv` is none before a node.
@@ -188,27 +175,8 @@ struct device_word {
 };
 device_word split_device(std::string_view text);
 
-// rest.cpp: the rules, one for each drive.
-repose zlac8015d_at_rest(session& on);
-repose yako_at_rest(session& on);
-repose c630s_at_rest(session& on);
-bool zlac8015d_stops(u16 address, u16 word);
-bool yako_stops(u16 address, u16 word);
-bool c630s_stops(u16 address, u16 word);
-
 /// Returns `done` with `--yes`, or once a person has typed `verb`; else complains by itself.
 int ask_consent(const arguments& asked, const std::string& verb);
-
-// commands/sim_zlac8015d.cpp, sim_yako.cpp, sim_c630s.cpp
-int simulate_zlac8015d(const simulation& wanted);
-int simulate_yako_closed_loop(const simulation& wanted);
-int simulate_yako_open_loop(const simulation& wanted);
-int simulate_c630s(const simulation& wanted);
-
-// commands/alarms.cpp
-std::vector<alarm_row> zlac8015d_alarms();
-std::vector<alarm_row> yako_alarms();
-std::vector<alarm_row> c630s_alarms();
 
 // The commands, one a file of commands/. Their options are those of their rows in commands.cpp.
 int map(const arguments& asked);
@@ -221,6 +189,9 @@ int watch(const arguments& asked);
 int alarms(const arguments& asked);
 int backup(const arguments& asked);
 int restore(const arguments& asked);
+int apply(const arguments& asked);
+int diff(const arguments& asked);
+int turn(const arguments& asked);
 int listen(const arguments& asked);
 int header(const arguments& asked);
 int completion(const arguments& asked);

@@ -5,14 +5,21 @@
 add_executable(undisturbed support/undisturbed.cpp)
 target_compile_features(undisturbed PRIVATE cxx_std_20)
 set(tool $<TARGET_FILE:servobus_tool>)
+# The tool with a drive that is not the library's.
+add_executable(tool_with_winch ${PROJECT_SOURCE_DIR}/examples/servobus/main.cpp
+                               ${PROJECT_SOURCE_DIR}/examples/own_device/own_tool_drive.cpp)
+target_link_libraries(tool_with_winch PRIVATE servobus_tool_parts strict_warnings)
 # A build without a type is for tests: it compiles quickly, and its programs are quick enough.
 if(NOT CMAKE_BUILD_TYPE)
-  foreach(program servobus_tool servobus_wheels servobus_stepper servobus_servo servobus_robot)
+  foreach(program servobus_tool_parts servobus_wheels servobus_stepper servobus_servo servobus_robot)
     target_compile_options(${program} PRIVATE -O1)
   endforeach()
 endif()
 
 file(GLOB parts CONFIGURE_DEPENDS RELATIVE ${CMAKE_CURRENT_SOURCE_DIR} tool/*.py)
+list(REMOVE_ITEM parts tool/own_drive.py)
+check(tool.own_drive LABELS tool fast REAL_TIME COST 2
+      COMMAND ${Python3_EXECUTABLE} -B tests/tool/own_drive.py $<TARGET_FILE:tool_with_winch>)
 foreach(part IN LISTS parts)
   get_filename_component(name ${part} NAME_WE)
   check(tool.${name} LABELS tool fast REAL_TIME COST 10 COMMAND ${Python3_EXECUTABLE} -B tests/${part} ${tool})

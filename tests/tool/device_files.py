@@ -71,7 +71,6 @@ def one_register_of_a_file(tool: Tool):
     tool.says("without a sentence", "map plain.csv first", "first", "", "address    0x0010", "type       u16",
               "access     read-only")
     tool.fails("has no alarms", "alarms meter.csv", 2, "meter.csv: a device file has no alarms")
-    tool.fails("and no simulator", "sim meter.csv", 2, "meter.csv has no simulator")
 
 
 HEAD = "address,name,type,access,min,max,default,scale,unit,saved,when,effective,modes,flags,names,word_order,words,table\n"

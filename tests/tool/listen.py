@@ -72,7 +72,7 @@ def refused(tool: Listening):
     tool.write("rounds", "time,error,unix_time (ms)\n")
     for name, words, status, text in [
         ("listen: no device", NOWHERE, 2, "listen takes PORT DEVICE[:NODE]..."),
-        ("listen: an unknown device", f"{NOWHERE} zlac9000", 2, "known: zlac8015d"),
+        ("listen: an unknown device", f"{NOWHERE} zlac9000", 2, "known: c630s"),
         ("listen: no such port", f"{NOWHERE} zlac8015d", 1, f"cannot open {NOWHERE}"),
         ("listen: Modbus TCP has no traffic of others", "mbap://127.0.0.1 zlac8015d", 2, "no traffic of others"),
         ("listen: a gateway sets the rate", "tcp://127.0.0.1:1 zlac8015d --baud 9600", 2, "not --baud and --format"),

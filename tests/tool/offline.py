@@ -36,7 +36,7 @@ def help_and_bad_commands(tool: Tool):
         ("an unknown command", "fly", "unknown command 'fly'"),
         ("an unknown option", "map zlac8015d --colour", "unknown option '--colour'"),
         ("an unknown device lists the known ones", "map zlac9000",
-         "known: zlac8015d, yako-closed-loop, yako-open-loop, c630s"),
+         "known: c630s, yako-closed-loop, yako-open-loop, zlac8015d"),
     ]:
         tool.fails(name, words, 2, text)
 

@@ -37,7 +37,7 @@ def complaints(tool: Tool):
         ("unknown device 'c360s'; did you mean c630s?", "map", "c360s"),
         ("unknown device 'yako'; did you mean yako-open-loop or yako-closed-loop?", "map", "yako"),
         ("unknown device 'yako_closed_loop'; did you mean yako-closed-loop?", "read", "p", "yako_closed_loop:1", "x"),
-        ("unknown device 'servo'; known: zlac8015d, yako-closed-loop, yako-open-loop, c630s", "map", "servo"),
+        ("unknown device 'servo'; known: c630s, yako-closed-loop, yako-open-loop, zlac8015d", "map", "servo"),
         ("c630s has no register 'jog_sped'; did you mean jog_speed?", "write", "p", "c630s", "jog_sped=5"),
         ("control_word: 'quikstop' is none of its names; did you mean quick_stop?",
          *("write", "p", "zlac8015d", "control_word=quikstop")),

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSL-1.0
 //
 // servobus sim: the command line of a simulated drive.
+#include "../devices/simulators.hpp"
 #include "../tool.hpp"
 
 #include <filesystem>
@@ -26,8 +27,6 @@ int simulate(const arguments& asked) {
     if (asked.words().size() != 1) return complain(usage, "sim takes one DEVICE");
     const device* of = find_device(asked.words()[0]);
     if (of == nullptr) return usage;
-    if (of->simulate == nullptr) return complain(usage, of->word() + " has no simulator");
-
     const servobus::profile& facts = of->facts();
     const auto node = asked.number("node", facts.lowest_address, facts.highest_address, facts.lowest_address);
     const auto baud = asked.number("baud", 600, 4'000'000, facts.baud);
@@ -38,6 +37,7 @@ int simulate(const arguments& asked) {
                       .seed = static_cast<std::uint64_t>(*seed),
                       .faults = {},
                       .echoes = false,
+                      .has_strict_rate = false,
                       .link = asked.text("link")};
     const char* faults = asked.text("faults");
     if (faults != nullptr && !servobus::sim::parse_faults(faults, wanted.faults)) {
@@ -49,8 +49,11 @@ int simulate(const arguments& asked) {
     const std::optional<bool> echoes = asked.on_or_off("echo");
     if (!echoes) return usage;
     wanted.echoes = *echoes;
+    const std::optional<bool> is_strict = asked.on_or_off("strict-rate");
+    if (!is_strict) return usage;
+    wanted.has_strict_rate = *is_strict;
     if (const int status = check_link(wanted.link); status != done) return status;
-    return of->simulate(wanted);
+    return of->simulate != nullptr ? of->simulate(wanted) : simulate_file(*of, wanted);
 }
 
 } // namespace tool

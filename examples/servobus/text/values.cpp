@@ -234,14 +234,9 @@ std::string undocumented_zero(const entry& e) {
            hex_word(e.address) + "=0\" writes it";
 }
 
-std::optional<std::vector<u16>> parse_value(const chosen& what, std::string_view text) {
-    if (what.row == nullptr) return parse_raw_values(what, text);
-    const entry& e = *what.row;
+std::string read_value(const entry& e, bool is_bit, std::string_view text, std::vector<u16>& words) {
     const std::string shown{text};
-    const auto refuse = [&](const std::string& why) {
-        complain(usage, what.name + ": " + why);
-        return std::nullopt;
-    };
+    const auto refuse = [&](const std::string& why) { return std::string{e.name} + ": " + why; };
     if (e.rights == servobus::access::ro) return refuse("this register is read-only");
 
     std::int64_t count = 0;
@@ -249,7 +244,7 @@ std::optional<std::vector<u16>> parse_value(const chosen& what, std::string_view
         const std::optional<std::int64_t> content = parse_content(e, text);
         if (!content) return refuse("'" + shown + "' does not fit the register");
         count = *content;
-    } else if (what.form.is_bit() && e.values.empty() && (text == "on" || text == "off")) {
+    } else if (is_bit && e.values.empty() && (text == "on" || text == "off")) {
         count = text == "on" ? 1 : 0;
     } else if (const auto word = parse_names(e, text)) { // first, since a name may begin with a digit: 8N1
         count = *word;
@@ -260,7 +255,7 @@ std::optional<std::vector<u16>> parse_value(const chosen& what, std::string_view
     } else {
         const reading_error error = parse_quantity(e, text, count);
         if (error == reading_error::no_number)
-            return refuse("'" + shown + (what.form.is_bit() ? "' is neither on nor off" : "' is no number"));
+            return refuse("'" + shown + (is_bit ? "' is neither on nor off" : "' is no number"));
         if (error == reading_error::inexact) {
             if (has(e.flags, servobus::flag::scaled_elsewhere))
                 return refuse("another register sets the scale: give whole counts, not '" + shown + "'");
@@ -271,14 +266,24 @@ std::optional<std::vector<u16>> parse_value(const chosen& what, std::string_view
         return refuse("'" + shown + "' is outside " + printed(e, e.limits.low) + " .. " +
                       printed(e, e.limits.high) + what_it_takes(e));
     }
-    if (count == 0 && has(e.flags, servobus::flag::zero_by_name)) {
-        complain(usage, undocumented_zero(e));
-        return std::nullopt;
-    }
+    if (count == 0 && has(e.flags, servobus::flag::zero_by_name)) return undocumented_zero(e);
     const auto bits = static_cast<u32>(static_cast<std::uint64_t>(count));
-    if (e.words() == 1) return std::vector<u16>{static_cast<u16>(bits & 0xFFFFu)};
-    const servobus::word_pair pair = servobus::split_words(bits, high_first);
-    return std::vector<u16>{pair.first, pair.second};
+    if (e.words() == 1) {
+        words = {static_cast<u16>(bits & 0xFFFFu)};
+    } else {
+        const servobus::word_pair pair = servobus::split_words(bits, high_first);
+        words = {pair.first, pair.second};
+    }
+    return {};
+}
+
+std::optional<std::vector<u16>> parse_value(const chosen& what, std::string_view text) {
+    if (what.row == nullptr) return parse_raw_values(what, text);
+    std::vector<u16> words;
+    const std::string why = read_value(*what.row, what.form.is_bit(), text, words);
+    if (why.empty()) return words;
+    complain(usage, why);
+    return std::nullopt;
 }
 
 } // namespace tool

@@ -10,7 +10,7 @@
 
 #include <servobus/device/zlac8015d/catalogue.hpp>
 
-#include <examples/servobus/tool.hpp>
+#include <examples/servobus/devices/registered_drive.hpp>
 
 namespace drive_rows_tests {
 namespace {

@@ -96,8 +96,14 @@ inline int set_any_speed(int fd, std::uint32_t baud) {
     const std::uint32_t off = t.c_ospeed < baud ? baud - t.c_ospeed : t.c_ospeed - baud;
     return off <= baud / 32 ? 0 : EINVAL; // the driver chose a rate more than 3 % away
 }
+/// The rate of a port, or of the other side of a pseudo-terminal, in bits a second; 0 if the system does not tell.
+inline std::uint32_t speed_of(int fd) {
+    termios2 t{};
+    return ::ioctl(fd, TCGETS2, &t) == 0 ? t.c_ospeed : 0;
+}
 #else
 inline int set_any_speed(int, std::uint32_t) { return EINVAL; }
+inline std::uint32_t speed_of(int) { return 0; }
 #endif
 
 /// The kernel switches the RS-485 driver. 0 or errno.

@@ -75,6 +75,13 @@ inline int set_any_speed(int fd, std::uint32_t baud) {
     return ::cfgetospeed(&t) == speed ? 0 : EINVAL;
 }
 
+/// The rate of a port, or of the other side of a pseudo-terminal, in bits a second; 0 if the system does not tell.
+inline std::uint32_t speed_of(int fd) {
+    termios t{};
+    if (B9600 != 9600 || ::tcgetattr(fd, &t) != 0) return 0;
+    return static_cast<std::uint32_t>(::cfgetospeed(&t));
+}
+
 inline int switch_direction(int) { return ENOTSUP; }
 inline bool ask_low_latency(int) { return false; }
 inline bool tells_line_status(int) { return false; }

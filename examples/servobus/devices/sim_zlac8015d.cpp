@@ -5,6 +5,7 @@
 #include <servobus/sim/zlac8015d.hpp>
 
 #include "served.hpp"
+#include "simulators.hpp"
 
 namespace tool {
 namespace {

@@ -5,14 +5,16 @@
 // is the model's matter.
 #pragma once
 
-#ifdef _WIN32
+#include <servobus/modbus/server.hpp>
 
 #include "../tool.hpp"
+
+#ifdef _WIN32
 
 namespace tool {
 
 /// Windows has no pseudo-terminals.
-template <class Model> class served {
+template <class Model, class Server = servobus::modbus::server<Model>> class served {
   public:
     served(Model&, const simulation&) {}
     int run(const char*) {
@@ -30,12 +32,10 @@ template <class Model> class served {
 #include <cstdio>
 #include <cstring>
 
-#include <servobus/modbus/server.hpp>
 #include <servobus/posix/pseudo_terminal.hpp>
 #include <servobus/sim/faults.hpp>
 
 #include "../text/streams.hpp"
-#include "../tool.hpp"
 
 namespace tool {
 
@@ -43,6 +43,7 @@ namespace tool {
 struct signals {
     static inline volatile std::sig_atomic_t stop = 0;
     static inline volatile std::sig_atomic_t toggle = 0;
+    static inline volatile std::sig_atomic_t cycle = 0;
 
     static void arm() {
         struct sigaction act {};
@@ -51,6 +52,8 @@ struct signals {
         (void)::sigaction(SIGTERM, &act, nullptr);
         act.sa_handler = [](int) { toggle = 1; };
         (void)::sigaction(SIGUSR1, &act, nullptr);
+        act.sa_handler = [](int) { cycle = 1; };
+        (void)::sigaction(SIGUSR2, &act, nullptr);
     }
 };
 
@@ -69,12 +72,12 @@ struct departure {
     }
 };
 
-/// A register store that also lives in time.
-template <class Model> class served {
+/// A model, such as a register store, that also lives in time. `Server` executes requests on it.
+template <class Model, class Server = servobus::modbus::server<Model>> class served {
   public:
     served(Model& model, const simulation& wanted)
         : model_{&model}, server_{model.address(), model, servobus::modbus::timing_at(model.baud())},
-          faults_{wanted.seed, wanted.faults}, baud_{model.baud()}, echoes_{wanted.echoes} {}
+          faults_{wanted.seed, wanted.faults}, echoes_{wanted.echoes}, is_strict_{wanted.has_strict_rate} {}
 
     /// Returns the exit status.
     int run(const char* link) {
@@ -88,6 +91,7 @@ template <class Model> class served {
         if (!streams::flush()) return failed;
         while (signals::stop == 0) {
             if (signals::toggle != 0) toggle();
+            if (signals::cycle != 0) cycle();
             port_.wait(turn());
         }
         return done;
@@ -102,6 +106,24 @@ template <class Model> class served {
         bool& is_unplugged = faults_.plan().is_unplugged;
         is_unplugged = !is_unplugged;
         note(is_unplugged ? "unplugged" : "plugged in");
+    }
+
+    void cycle() {
+        signals::cycle = 0;
+        if constexpr (requires { model_->power_cycle(); }) {
+            model_->power_cycle();
+            follow();
+            note("switched off and on");
+        }
+    }
+
+    // A write may have changed the drive's own address.
+    void follow() { server_.set_address(model_->address()); }
+
+    // At another rate what comes is no frame to a real drive, which says nothing.
+    bool is_at_own_rate() const {
+        const std::uint32_t theirs = is_strict_ ? port_.baud() : 0;
+        return theirs == 0 || theirs == model_->baud();
     }
 
     /// Does what is due. Returns for how long nothing will be.
@@ -120,6 +142,7 @@ template <class Model> class served {
             server_.elapse(now);
             return true;
         }
+        if (!is_at_own_rate()) return true;
         if (echoes_) (void)port_.send(servobus::bytes{chunk}.first(*came));
         // A frame's fate is decided as it begins: what comes within a few milliseconds belongs to it.
         if (request_size_ == 0 || since(heard_, now) > servobus::milliseconds(5)) {
@@ -167,6 +190,7 @@ template <class Model> class served {
 
     void end(servobus::instant now) {
         server_.sent(now);
+        follow();
         request_size_ = 0;
     }
 
@@ -184,20 +208,21 @@ template <class Model> class served {
 
     // Ten bits a character: 8N1.
     servobus::duration wire_time(std::size_t characters) const {
+        const std::uint32_t baud = model_->baud();
         return servobus::duration{
-            static_cast<std::uint32_t>((std::uint64_t{characters} * 10'000'000u + baud_ - 1) / baud_)};
+            static_cast<std::uint32_t>((std::uint64_t{characters} * 10'000'000u + baud - 1) / baud)};
     }
 
     servobus::posix::pseudo_terminal port_;
     Model* model_;
-    servobus::modbus::server<Model> server_;
+    Server server_;
     servobus::sim::fault_source faults_;
     servobus::sim::fate request_{};
     departure pending_{};
     servobus::instant heard_{};
     std::size_t request_size_ = 0;
-    std::uint32_t baud_;
     bool echoes_;
+    bool is_strict_;
 };
 
 } // namespace tool

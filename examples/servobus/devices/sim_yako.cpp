@@ -5,6 +5,7 @@
 #include <servobus/sim/yako.hpp>
 
 #include "served.hpp"
+#include "simulators.hpp"
 
 namespace tool {
 namespace {

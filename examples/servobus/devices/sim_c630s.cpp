@@ -5,6 +5,7 @@
 #include <servobus/sim/c630s.hpp>
 
 #include "served.hpp"
+#include "simulators.hpp"
 
 namespace tool {
 namespace {

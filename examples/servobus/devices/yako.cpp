@@ -1,0 +1,81 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// The YAKOTEC steppers, closed and open loop, as the tool knows them.
+#include <array>
+#include <string>
+
+#include <servobus/device/yako/advice.hpp>
+#include <servobus/device/yako/closed_loop_catalogue.hpp>
+#include <servobus/device/yako/common.hpp>
+#include <servobus/device/yako/feedback.hpp>
+#include <servobus/device/yako/open_loop_catalogue.hpp>
+
+#include "at_rest.hpp"
+#include "registered_drive.hpp"
+#include "simulators.hpp"
+
+namespace tool {
+namespace {
+
+// A stepper is enabled from power-on.
+repose yako_at_rest(session& on) {
+    using servobus::yako::motion_status;
+    std::array<u16, 1> word{};
+    if (const auto why = read_words(on, servobus::yako::status_word.address, word); !is_ok(why))
+        return {why, {}};
+    if ((word[0] & motion_status::moving_bit) != 0) return {{}, "the motor moves; stop it first"};
+    if ((word[0] & motion_status::released_bit) == 0) {
+        return {{},
+                "the motor is enabled; auxiliary_command=release releases it, and its position is to be "
+                "referenced anew then"};
+    }
+    return {};
+}
+
+bool yako_stops(u16 address, u16 word) {
+    using servobus::yako::motion_code;
+    return address == servobus::yako::motion_command.address &&
+           (word == motion_code::stop().bits || word == motion_code::emergency_stop().bits);
+}
+
+std::vector<alarm_row> yako_alarms() {
+    namespace yako = servobus::yako;
+    std::vector<alarm_row> rows;
+    for (u16 error = 1; error <= yako::error_code.limits.high; ++error)
+        rows.push_back(
+            {std::to_string(error), "alarm", "unstated", yako::error_text(error), yako::advice_for(error)});
+    return rows;
+}
+
+// Of an open loop the position is what was commanded, which no hand changes.
+turned_shafts yako_turning(session& on) {
+    std::array<u16, 1> steps{};
+    if (const auto why = read_words(on, servobus::yako::microstep_resolution.address, steps); !is_ok(why))
+        return {why, {}};
+    return {{}, {{"motor", servobus::yako::actual_position.address, steps[0], "microstep_resolution"}}};
+}
+
+constexpr save_command yako_save{servobus::yako::auxiliary_command.address,
+                                 static_cast<u16>(servobus::yako::auxiliary::save_parameters)};
+
+const registered_drive of_yako_closed_loop{{.map = servobus::yako::closed_loop::catalogue,
+                                            .simulate = simulate_yako_closed_loop,
+                                            .alarms = yako_alarms,
+                                            .at_rest = yako_at_rest,
+                                            .stops = yako_stops,
+                                            .save = yako_save,
+                                            .turning = yako_turning,
+                                            .on_line = &servobus::yako::device::on_line,
+                                            .node_register = servobus::yako::node_address.address}};
+const registered_drive of_yako_open_loop{{.map = servobus::yako::open_loop::catalogue,
+                                          .simulate = simulate_yako_open_loop,
+                                          .alarms = yako_alarms,
+                                          .at_rest = yako_at_rest,
+                                          .stops = yako_stops,
+                                          .save = yako_save,
+                                          .on_line = &servobus::yako::device::on_line,
+                                          .node_register = servobus::yako::node_address.address}};
+
+} // namespace
+} // namespace tool

@@ -1,0 +1,56 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// The drives of a machine file on their line: what apply and diff share.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "session.hpp"
+#include "text/machine_file.hpp"
+
+namespace tool {
+
+/// Where a drive responds.
+struct place {
+    std::uint8_t node = 1;
+    std::uint32_t baud = 0;
+    servobus::character_format format = servobus::character_format::n81;
+
+    friend bool operator==(const place&, const place&) = default;
+};
+/// `node 2, 115200 baud 8N1`
+std::string text_of(const place& where);
+
+/// The file of a command line and the sections that it names, all if it names none.
+struct chosen_machine {
+    machine_file file{};
+    std::vector<const machine_section*> sections{};
+
+    /// From the words `PORT FILE [NAME...]` and the option `--at`. Returns `done`, or the exit status after a complaint.
+    int take(const arguments& asked);
+};
+
+/// A session with a drive of the file.
+struct found_drive {
+    std::unique_ptr<session> on{};
+    target of{};
+    place where{};
+};
+
+/// Looks for the drive where the machine file has it, and where the command line says that it is now: by `--at`, `--baud`
+/// and `--format`. Refused if two drives respond. Returns `done`, or the exit status after a complaint.
+int find_drive(const arguments& asked, const machine_section& wanted, found_drive& found);
+/// The first of these places at which the drive responds; no complaint if there is none.
+int find_among(const arguments& asked, const machine_section& wanted, const std::vector<place>& places,
+               std::optional<found_drive>& found);
+/// Where the file has it.
+place place_of(const machine_section& wanted);
+
+/// Compares what a section requires, and prints what differs with `[name]` in front of each register. Sets `differing`.
+int compare_required(found_drive& at, const machine_section& wanted, std::size_t& differing);
+
+} // namespace tool
