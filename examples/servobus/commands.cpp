@@ -59,6 +59,7 @@ constexpr option sim_options[] = {
     {"faults", "LIST", "late,lossy,noisy,doubled,cut,unplugged or none",
      "late lossy noisy doubled cut unplugged none"},
     {"echo", "on|off", "on: as after an adapter that receives what it sends"},
+    {"switches", "FILE", "behaves as probe has found of a real drive"},
     {"strict-rate", "on|off",
      "on: it responds only to a program that has set its rate, as a real one; on Linux"},
 };
@@ -277,6 +278,22 @@ constexpr command table[] = {
      .options = turn_options,
      .shared = line_only,
      .run = turn},
+    {.name = "probe",
+     .words = "PORT DEVICE[:NODE] FILE",
+     .summary = "what a manual leaves open, on a real drive",
+     .about =
+         "Settles where the drive's manual can be read in several ways: step by step it brings a drive that "
+         "is at "
+         "rest into states in which its readings show which way it follows, and asks the person beside it "
+         "what "
+         "only a person sees. Before anything moves it says what, and the person types move. Motors run at "
+         "the slowest speed. Registers that it changes get their old words back. FILE gets what was found, "
+         "with "
+         "the firmware's version and nothing of the machine or its owner; sim --switches FILE behaves so. "
+         "What "
+         "did not show is open, ?.",
+     .shared = line_only,
+     .run = probe},
     {.name = "header",
      .words = "DEVICE",
      .summary = "a device as a C++ header",

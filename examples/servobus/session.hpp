@@ -129,6 +129,14 @@ class session {
     /// not known. Only for a drive with such a switch.
     servobus::status ask_wear(bool& wears);
     const any_port& port() const { return port_; }
+    /// The next requests go to another address of the same line, or back to the drive's own.
+    void set_node(std::uint8_t address) {
+        node_.address = address;
+        client_.emplace(*line_, node_);
+    }
+    void wait(servobus::duration time) { port_.wait(time); }
+    /// Sends bytes as they are, and counts those that come within `time`. For a port with a line of its own.
+    std::size_t count_after(servobus::bytes frame, servobus::duration time);
 
     /// From now on a port that was lost is opened anew, and what cannot have been sent leaves then: a call waits for it
     /// for `patience`. Says so on standard error.

@@ -19,6 +19,8 @@
 #include <servobus/registers/line_choices.hpp>
 #include <servobus/sim/faults.hpp>
 
+#include "probe/findings.hpp"
+
 namespace tool {
 
 using servobus::u16;
@@ -76,9 +78,12 @@ struct simulation {
     bool echoes = false;
     bool has_strict_rate = false; ///< no response at another rate than its own
     const char* link = nullptr;
+    /// A number for each interpretation of the device; none: the simulator's own.
+    std::vector<unsigned> ways{};
 };
 
 class session;
+class probe_bench;
 
 /// Whether a drive's parameters may be changed now.
 struct repose {
@@ -125,6 +130,11 @@ struct device {
     int (*number)(std::string_view) = nullptr;       ///< the address of a parameter number
     unsigned most_stored = 0;                        ///< writes into the EEPROM without an alarm; 0: any
     bool (*excludes)(u16 one, u16 other) = nullptr;  ///< registers that may not both hold a word above 0
+    /// Where its manual can be read in several ways; none if nothing is known of that.
+    std::span<const interpretation> interpretations{};
+    /// Settles them on a real drive that is at rest; null where nothing does.
+    void (*probe)(probe_bench&, findings&) = nullptr;
+    u16 version_register = 0; ///< of its firmware; 0: none
     /// Null: it does not count what is turned by hand.
     turned_shafts (*turning)(session&) = nullptr;
     /// Where its rate and format are set; null: nothing says it.
@@ -192,6 +202,7 @@ int restore(const arguments& asked);
 int apply(const arguments& asked);
 int diff(const arguments& asked);
 int turn(const arguments& asked);
+int probe(const arguments& asked);
 int listen(const arguments& asked);
 int header(const arguments& asked);
 int completion(const arguments& asked);

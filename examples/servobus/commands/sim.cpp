@@ -3,6 +3,7 @@
 //
 // servobus sim: the command line of a simulated drive.
 #include "../devices/simulators.hpp"
+#include "../text/device_file.hpp"
 #include "../tool.hpp"
 
 #include <filesystem>
@@ -19,6 +20,19 @@ int check_link(const char* path) {
     if (error || text.starts_with("/dev/pts/") || text.starts_with("/dev/ttys")) return done;
     return complain(failed,
                     std::string{"cannot make a link at "} + path + ": it is a symbolic link to " + before);
+}
+
+// What a probe has found of a real drive.
+int read_switches(const device& of, const std::string& path, simulation& wanted) {
+    if (of.interpretations.empty()) return complain(usage, of.word() + " has no switches");
+    constexpr std::size_t largest_findings = 100'000; // bytes
+    std::string why;
+    const std::string text = read_text_file(path, largest_findings, why);
+    if (!why.empty()) return complain(usage, why);
+    findings found{of.interpretations};
+    if (why = found.parse(of.facts().name, text); !why.empty()) return complain(usage, path + ':' + why);
+    wanted.ways = found.numbers();
+    return done;
 }
 
 } // namespace
@@ -38,7 +52,8 @@ int simulate(const arguments& asked) {
                       .faults = {},
                       .echoes = false,
                       .has_strict_rate = false,
-                      .link = asked.text("link")};
+                      .link = asked.text("link"),
+                      .ways = {}};
     const char* faults = asked.text("faults");
     if (faults != nullptr && !servobus::sim::parse_faults(faults, wanted.faults)) {
         return complain(usage,
@@ -52,6 +67,9 @@ int simulate(const arguments& asked) {
     const std::optional<bool> is_strict = asked.on_or_off("strict-rate");
     if (!is_strict) return usage;
     wanted.has_strict_rate = *is_strict;
+    if (const char* path = asked.text("switches")) {
+        if (const int status = read_switches(*of, path, wanted); status != done) return status;
+    }
     if (const int status = check_link(wanted.link); status != done) return status;
     return of->simulate != nullptr ? of->simulate(wanted) : simulate_file(*of, wanted);
 }

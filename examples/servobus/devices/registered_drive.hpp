@@ -37,6 +37,9 @@ struct known_drive {
     int (*number)(std::string_view) = nullptr;
     unsigned most_stored = 0;
     bool (*excludes)(u16 one, u16 other) = nullptr;
+    std::span<const interpretation> interpretations{};
+    void (*probe)(probe_bench&, findings&) = nullptr;
+    u16 version_register = 0;
     turned_shafts (*turning)(session&) = nullptr;
     const servobus::line_choices* on_line = nullptr;
     u16 node_register = 0;
@@ -51,6 +54,9 @@ struct known_drive {
                 .number = number,
                 .most_stored = most_stored,
                 .excludes = excludes,
+                .interpretations = interpretations,
+                .probe = probe,
+                .version_register = version_register,
                 .turning = turning,
                 .on_line = on_line,
                 .node_register = node_register};

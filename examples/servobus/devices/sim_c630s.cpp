@@ -4,6 +4,7 @@
 // servobus sim c630s
 #include <servobus/sim/c630s.hpp>
 
+#include "../probe/c630s_switches.hpp"
 #include "served.hpp"
 #include "simulators.hpp"
 
@@ -26,7 +27,7 @@ int simulate_c630s(const simulation& wanted) {
     while (rate < std::size(rates) && rates[rate] != wanted.baud) ++rate;
     if (rate == std::size(rates))
         return complain(usage, "--baud: c630s has 2400, 4800, 9600, 19200, 38400 and 57600");
-    static servobus::sim::c630s drive;
+    static servobus::sim::c630s drive{options_of(c630s_switches, wanted.ways)};
     // As a real one is set: with P0C-13 = 1, as from the factory, both are kept.
     if (!set(drive, coolmay::rs485_baud_rate.address, rate) ||
         !set(drive, coolmay::node_address.address, wanted.node))

@@ -4,6 +4,7 @@
 // servobus sim yako-closed-loop, servobus sim yako-open-loop
 #include <servobus/sim/yako.hpp>
 
+#include "../probe/yako_switches.hpp"
 #include "served.hpp"
 #include "simulators.hpp"
 
@@ -27,7 +28,7 @@ template <class Model> int simulate_yako(const simulation& wanted) {
     while (rate < std::size(rates) && rates[rate] != wanted.baud) ++rate;
     if (rate == std::size(rates))
         return complain(usage, "--baud: the YAKOTEC drives have 9600, 19200, 38400 and 115200");
-    static Model drive;
+    static Model drive{options_of(yako_switches, wanted.ways)};
     drive.set_switches(wanted.node <= highest_switched ? wanted.node : std::uint8_t{0});
     if (!set(drive, yako::rs485_baud_rate.address, rate) ||
         !set(drive, yako::node_address.address, wanted.node) ||

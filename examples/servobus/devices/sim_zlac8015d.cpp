@@ -4,6 +4,7 @@
 // servobus sim zlac8015d
 #include <servobus/sim/zlac8015d.hpp>
 
+#include "../probe/zlac8015d_switches.hpp"
 #include "served.hpp"
 #include "simulators.hpp"
 
@@ -33,7 +34,7 @@ int simulate_zlac8015d(const simulation& wanted) {
     const u16 rate = code_of(wanted.baud);
     if (rate == 0)
         return complain(usage, "--baud: zlac8015d has 9600, 19200, 38400, 57600, 115200 and 128000");
-    static servobus::sim::zlac8015d drive;
+    static servobus::sim::zlac8015d drive{options_of(zlac8015d_switches, wanted.ways)};
     // As a real one is set: both are kept in its EEPROM and hold from the next power-on.
     if (!set(drive, zlac::rs485_baud_rate.address, rate) ||
         !set(drive, zlac::node_address.address, wanted.node) || !set(drive, zlac::save_parameters.address, 1))

@@ -11,6 +11,8 @@
 #include <servobus/device/yako/feedback.hpp>
 #include <servobus/device/yako/open_loop_catalogue.hpp>
 
+#include "../probe/yako.hpp"
+#include "../probe/yako_switches.hpp"
 #include "at_rest.hpp"
 #include "registered_drive.hpp"
 #include "simulators.hpp"
@@ -65,6 +67,12 @@ const registered_drive of_yako_closed_loop{{.map = servobus::yako::closed_loop::
                                             .at_rest = yako_at_rest,
                                             .stops = yako_stops,
                                             .save = yako_save,
+                                            .interpretations = yako_interpretations,
+                                            .probe =
+                                                [](probe_bench& on, findings& found) {
+                                                    yako_probe{on, found, true}.run();
+                                                },
+                                            .version_register = servobus::yako::drive_version.address,
                                             .turning = yako_turning,
                                             .on_line = &servobus::yako::device::on_line,
                                             .node_register = servobus::yako::node_address.address}};
@@ -74,6 +82,12 @@ const registered_drive of_yako_open_loop{{.map = servobus::yako::open_loop::cata
                                           .at_rest = yako_at_rest,
                                           .stops = yako_stops,
                                           .save = yako_save,
+                                          .interpretations = yako_interpretations,
+                                          .probe =
+                                              [](probe_bench& on, findings& found) {
+                                                  yako_probe{on, found, false}.run();
+                                              },
+                                          .version_register = servobus::yako::drive_version.address,
                                           .on_line = &servobus::yako::device::on_line,
                                           .node_register = servobus::yako::node_address.address}};
 

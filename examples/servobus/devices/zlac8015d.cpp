@@ -8,6 +8,8 @@
 #include <servobus/device/zlac8015d/catalogue.hpp>
 #include <servobus/device/zlac8015d/registers.hpp>
 
+#include "../probe/zlac8015d.hpp"
+#include "../probe/zlac8015d_switches.hpp"
 #include "at_rest.hpp"
 #include "registered_drive.hpp"
 #include "simulators.hpp"
@@ -87,6 +89,12 @@ const registered_drive of_zlac8015d{{.map = servobus::zlac8015d::catalogue,
                                      .at_rest = zlac8015d_at_rest,
                                      .stops = zlac8015d_stops,
                                      .save = zlac8015d_save,
+                                     .interpretations = zlac8015d_interpretations,
+                                     .probe =
+                                         [](probe_bench& on, findings& found) {
+                                             zlac8015d_probe{on, found}.run();
+                                         },
+                                     .version_register = servobus::zlac8015d::software_version.address,
                                      .turning = zlac8015d_turning,
                                      .on_line = &servobus::zlac8015d::device::on_line,
                                      .node_register = servobus::zlac8015d::node_address.address}};

@@ -1,0 +1,150 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// servobus probe: settles on a real drive what its manual leaves open, with a person beside it.
+#include <cstdio>
+#include <iostream>
+#include <string>
+
+#include <servobus/modbus/pdu.hpp>
+#include <servobus/modbus/rtu.hpp>
+
+#include "../commands.hpp"
+#include "../os/file_target.hpp"
+#include "../os/interrupts.hpp"
+#include "../probe/bench.hpp"
+#include "../session.hpp"
+
+namespace tool {
+namespace {
+
+// A drive on a port, and the person at the terminal.
+class real_bench final : public probe_bench {
+  public:
+    real_bench(session& on, const target& of) : on_{&on}, of_{&of} {}
+
+    /// Why it has ended early; empty if it has not.
+    const std::string& trouble() const { return trouble_; }
+
+  private:
+    bool read_now(u16 address, std::span<u16> words) override {
+        if (interrupts::came()) return fail("interrupted");
+        const chosen what{hex_word(address), address, static_cast<u16>(words.size()), nullptr};
+        const servobus::status why = on_->read(what, words);
+        return why.error() == servobus::errc::ok || fail(what.name + ": " + why_text(*of_, why, *on_));
+    }
+    written write_now(u16 address, std::span<const u16> words) override {
+        const chosen what{hex_word(address), address, static_cast<u16>(words.size()), nullptr};
+        const servobus::status w = on_->write(what, words);
+        if (w) return written::yes;
+        if (w.outcome() == servobus::outcome::refused) return written::refused;
+        (void)fail(what.name + ": " + why_text(*of_, what, w, *on_));
+        return written::unknown;
+    }
+    void wait_now(servobus::duration time) override {
+        const servobus::instant begun = on_->port().now();
+        for (servobus::duration gone{}; gone < time; gone = since(begun, on_->port().now()))
+            on_->wait(time - gone);
+    }
+    seen ask_now(const std::string& question) override {
+        const std::string answer = answer_to(question + " [yes, no, ?] ");
+        return answer == "yes" || answer == "y"  ? seen::yes
+               : answer == "no" || answer == "n" ? seen::no
+                                                 : seen::unknown;
+    }
+    bool has_consent(const std::string& what) override {
+        return answer_to(what + "\nType move to agree, anything else to leave it out: ") == "move";
+    }
+    bool power_cycle() override {
+        if (answer_to("Switch the drive off, wait until its lamps are dark, switch it on, and type on "
+                      "(anything else leaves "
+                      "it out): ") != "on")
+            return false;
+        const servobus::entry& row = *of_->kind->map->find(of_->kind->version_register);
+        std::vector<u16> words(row.words());
+        constexpr int seconds = 30;
+        for (int i = 0; i < 2 * seconds && !interrupts::came(); ++i) {
+            if (on_->read(choose(row), words).error() == servobus::errc::ok) return true;
+            wait_now(servobus::milliseconds(500));
+        }
+        return fail("the drive does not respond since it was switched on");
+    }
+    seen bad_crc_now() override {
+        if (on_->port().is_network()) return seen::unknown;
+        const auto good = servobus::modbus::read_frame(of_->node, of_->kind->version_register, 1);
+        const servobus::bytes all = good;
+        std::vector<std::uint8_t> frame{all.begin(), all.end()};
+        frame.back() ^= 0x55u;
+        return on_->count_after(servobus::bytes{frame}, servobus::milliseconds(300)) == 0 ? seen::no
+                                                                                          : seen::yes;
+    }
+    seen look_at(std::uint8_t node) override {
+        on_->set_node(node);
+        u16 word[1]{};
+        const servobus::errc error =
+            on_->read(chosen{"", of_->kind->version_register, 1, nullptr}, word).error();
+        on_->set_node(of_->node);
+        return error == servobus::errc::ok        ? seen::yes
+               : error == servobus::errc::timeout ? seen::no
+                                                  : seen::unknown;
+    }
+
+    static std::string answer_to(const std::string& question) {
+        (void)std::fprintf(stderr, "%s", question.c_str());
+        (void)std::fflush(stderr);
+        std::string answer;
+        if (!std::getline(std::cin, answer)) (void)std::fputs("\n", stderr);
+        if (answer.ends_with('\r')) answer.pop_back();
+        return answer;
+    }
+    bool fail(const std::string& why) {
+        if (trouble_.empty()) trouble_ = why;
+        return false;
+    }
+
+    session* on_;
+    const target* of_;
+    std::string trouble_{};
+};
+
+// What was found and what is open, a line each.
+void print(const findings& found) {
+    for (std::size_t i = 0; i < found.all().size(); ++i) {
+        const interpretation& what = found.all()[i];
+        std::printf("%s=%s # %s\n", what.name, found.way(i) ? what.ways[*found.way(i)] : "?", what.place);
+    }
+}
+
+} // namespace
+
+int probe(const arguments& asked) {
+    if (asked.words().size() != 3) return complain(usage, "probe takes PORT DEVICE[:NODE] FILE");
+    const std::optional<target> of = parse_target(asked.words()[1]);
+    if (!of) return usage;
+    if (of->kind == nullptr || of->kind->probe == nullptr)
+        return complain(usage, asked.words()[1] + ": nothing is known to probe");
+    session on;
+    if (const int status = on.check(asked, *of); status != done) return status;
+    file_target file{asked.words()[2]};
+    if (const int status = file.prepare(asked.words()[0].c_str()); status != done) return status;
+    if (const int status = on.open(asked.words()[0].c_str()); status != done) return status;
+    interrupts::arm();
+    const repose rest = of->kind->at_rest(on);
+    if (rest.why.error() != servobus::errc::ok)
+        return complain(failed, "the drive's state: " + why_text(*of, rest.why, on));
+    if (!rest.unrest.empty()) return complain(failed, "refused: " + rest.unrest);
+
+    findings found{of->kind->interpretations};
+    const servobus::entry& row = *of->kind->map->find(of->kind->version_register);
+    std::vector<u16> version(row.words());
+    if (const servobus::status why = on.read(choose(row), version); why.error() != servobus::errc::ok)
+        return complain(failed, std::string{row.name} + ": " + why_text(*of, why, on));
+    found.facts.emplace_back("firmware", std::to_string(version[0]));
+    real_bench bench{on, *of};
+    of->kind->probe(bench, found);
+    print(found);
+    if (const int status = file.put(found.file_text(of->facts().name)); status != done) return status;
+    return bench.trouble().empty() ? done : complain(failed, "ended early: " + bench.trouble());
+}
+
+} // namespace tool

@@ -1,0 +1,183 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// The probe of a ZLAC8015D finds the switches of the simulated drive as they were set, in all their combinations.
+#include <string>
+#include <vector>
+
+#include <doctest/doctest.h>
+
+#include <servobus/core/bytes.hpp>
+#include <servobus/sim/zlac8015d.hpp>
+
+#include <examples/servobus/probe/zlac8015d.hpp>
+#include <examples/servobus/probe/zlac8015d_switches.hpp>
+
+namespace probe_zlac8015d_tests {
+namespace {
+
+using namespace servobus;
+namespace z = servobus::zlac8015d;
+using tool::findings;
+using tool::seen;
+
+// A simulated drive, and a person who sees its brake.
+class bench final : public tool::probe_bench {
+  public:
+    explicit bench(const sim::zlac8015d_options& chosen) : model{chosen} { pass(milliseconds(1)); }
+
+    sim::zlac8015d model;
+    bool consents = true;
+    bool has_brake = true;
+    bool switches = true;           // the person does
+    std::uint32_t lost_after = ~0u; // requests
+    std::uint32_t requests = 0;
+    std::uint32_t fastest = 0; // r/min
+    std::vector<std::string> asked{};
+
+  private:
+    static constexpr duration per_request = milliseconds(4);
+
+    void pass(duration d) {
+        for (std::uint32_t us = 0; us < d.us; us += 1000) {
+            now_ = now_ + milliseconds(1);
+            model.advance(now_);
+            for (const std::int64_t speed : {model.left().speed, model.right().speed}) {
+                const auto r = static_cast<std::uint32_t>((speed < 0 ? -speed : speed) / 1'000'000);
+                if (r > fastest) fastest = r;
+            }
+        }
+    }
+    bool is_lost() {
+        pass(per_request);
+        return ++requests > lost_after && requests <= lost_after + 3;
+    }
+    bool read_now(std::uint16_t address, std::span<std::uint16_t> words) override {
+        return !is_lost() && model.read(address, words) == 0;
+    }
+    written write_now(std::uint16_t address, std::span<const std::uint16_t> words) override {
+        if (is_lost()) return written::unknown;
+        const std::uint8_t content[] = {static_cast<std::uint8_t>(words[0] >> 8),
+                                        static_cast<std::uint8_t>(words[0] & 0xFFu)};
+        return model.write(address, words_view{content}) == 0 ? written::yes : written::refused;
+    }
+    void wait_now(duration time) override { pass(time); }
+    seen ask_now(const std::string& question) override {
+        asked.push_back(question);
+        if (!has_brake) return seen::unknown;
+        return model.left().is_brake_engaged ? seen::yes : seen::no;
+    }
+    bool has_consent(const std::string&) override { return consents; }
+    bool power_cycle() override {
+        if (!switches) return false;
+        CHECK(model.stands_still());
+        model.power_cycle();
+        pass(milliseconds(500));
+        return true;
+    }
+
+    seen bad_crc_now() override { return seen::unknown; }
+    seen look_at(std::uint8_t) override { return seen::unknown; }
+
+    instant now_{};
+};
+
+// A number for each switch, from a number for all of them.
+std::vector<unsigned> ways_of(std::uint32_t combination) {
+    std::vector<unsigned> ways;
+    for (const tool::interpretation& i : tool::zlac8015d_interpretations) {
+        ways.push_back(combination % static_cast<unsigned>(i.ways.size()));
+        combination /= static_cast<unsigned>(i.ways.size());
+    }
+    return ways;
+}
+constexpr std::uint32_t combinations = [] {
+    std::uint32_t n = 1;
+    for (const tool::interpretation& i : tool::zlac8015d_interpretations)
+        n *= static_cast<unsigned>(i.ways.size());
+    return n;
+}();
+static_assert(combinations == 1536);
+
+findings probed(bench& on) {
+    findings found{tool::zlac8015d_interpretations};
+    tool::zlac8015d_probe{on, found}.run();
+    return found;
+}
+
+// The words that a power cycle would not bring back.
+std::vector<std::uint16_t> words_of(sim::zlac8015d& model) {
+    std::vector<std::uint16_t> words;
+    for (std::uint16_t address = 0x2000; address < 0x20A0; ++address) {
+        if (address != z::control_word.address) words.push_back(model.peek(address));
+    }
+    return words;
+}
+
+} // namespace
+
+TEST_CASE("the probe of a ZLAC8015D finds each switch in each combination, and leaves the drive as it was") {
+    for (std::uint32_t n = 0; n < combinations; n += 1) {
+        CAPTURE(n);
+        const std::vector<unsigned> ways = ways_of(n);
+        bench on{tool::options_of(tool::zlac8015d_switches, ways)};
+        const std::vector<std::uint16_t> before = words_of(on.model);
+        const findings found = probed(on);
+        for (std::size_t i = 0; i < ways.size(); ++i) {
+            CAPTURE(tool::zlac8015d_interpretations[i].name);
+            REQUIRE(found.way(i));
+            CHECK(*found.way(i) == ways[i]);
+        }
+        CHECK_FALSE(on.has_failed());
+        CHECK_FALSE(on.model.enabled());
+        CHECK(on.model.stands_still());
+        CHECK(words_of(on.model) == before);
+        CHECK(on.fastest <= 6);
+    }
+}
+
+TEST_CASE("a probe without consent moves nothing, and leaves open what it did not see") {
+    bench on{{}};
+    on.consents = false;
+    on.switches = false;
+    const std::vector<std::uint16_t> before = words_of(on.model);
+    const findings found = probed(on);
+    CHECK(on.model.enables() == 0);
+    CHECK(on.fastest == 0);
+    CHECK(on.asked.empty());
+    std::size_t open = 0;
+    for (std::size_t i = 0; i < found.all().size(); ++i) open += !found.way(i);
+    CHECK(open == 9); // all but the code of a fault
+    CHECK(words_of(on.model) == before);
+}
+
+TEST_CASE("a person who does not know leaves it open") {
+    bench on{{}};
+    on.has_brake = false;
+    const findings found = probed(on);
+    CHECK(on.asked.size() == 1);
+    CHECK_FALSE(found.way(9));
+    CHECK(found.way(0));
+}
+
+TEST_CASE(
+    "a line that is lost at any request ends the probe with the drive at rest, and finds nothing wrong") {
+    bench whole{{}};
+    (void)probed(whole);
+    std::uint32_t failed = 0;
+    for (std::uint32_t n = 1; n < whole.requests; n += 3) {
+        CAPTURE(n);
+        bench on{{}};
+        on.lost_after = n;
+        const findings found = probed(on);
+        failed += on.has_failed();
+        CHECK_FALSE(on.model.enabled());
+        for (std::size_t i = 0; i < found.all().size(); ++i) {
+            CAPTURE(found.all()[i].name);
+            if (found.way(i)) CHECK(*found.way(i) == 0);
+        }
+    }
+    CHECK(failed > 50);
+}
+
+} // namespace probe_zlac8015d_tests

@@ -1,0 +1,128 @@
+# SPDX-FileCopyrightText: The servobus authors
+# SPDX-License-Identifier: BSL-1.0
+"""The probe of a drive on a line, and simulators that behave as it has found: the same comes out as went in."""
+import os
+import signal
+import sys
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
+from programs import Tool, play_tool, scene, until
+
+WAIT = "--timeout 2000"
+ZLAC = """servobus-findings format=1 device=zlac8015d
+resumes_after_watchdog=no
+save=all
+host_timeout=off
+while_turning=released
+in_torque_mode=locked
+after_quick_stop=locked
+bit=driven
+code=until_restart
+by_fault=its_wheel
+code_1=engages
+"""
+YAKO = """servobus-findings format=1 device=yako-closed-loop
+is_enabled_at_power_on=no
+answers_bad_crc=yes
+kept=line_settings
+restart_keeps_place=yes
+in_position=at_target
+homed=until_place_lost
+refuses_unfit=yes
+commands_read_back=yes
+interrupts_from_target=yes
+"""
+
+
+def ways(text: str) -> dict[str, str]:
+    lines = [line.split("#")[0].strip() for line in text.splitlines()[1:]]
+    return dict(line.split("=") for line in lines if line)
+
+
+def probed(tool: Tool, drive, device: str, consent: str = "move", power: bool = True) -> dict[str, str]:
+    """A person who answers what is asked: types what is wanted, and switches the drive off and on."""
+    reads, writes = os.pipe()
+    with os.fdopen(reads) as stdin:
+        running = tool.start(f"probe drive {device} found.txt {WAIT}", stdin=stdin)
+        answered = 0
+        while running.process.poll() is None:
+            until(lambda: running.process.poll() is not None or running.err.count(": ") > answered and
+                  running.err.endswith((": ", "] ")))
+            asked = running.err
+            if running.process.poll() is not None or not asked.endswith((": ", "] ")):
+                continue
+            answer = "?"
+            if asked.endswith("leave it out: "):
+                answer = consent
+            elif asked.endswith("leaves it out): "):
+                if power:
+                    before = drive.err.count("switched off and on")
+                    drive.send(signal.SIGUSR2)
+                    until(lambda: drive.err.count("switched off and on") > before)
+                answer = "on" if power else "no"
+            answered = asked.count(": ")
+            os.write(writes, (answer + "\n").encode())
+            until(lambda: running.err != asked or running.process.poll() is not None)
+        os.close(writes)
+        tool.ends(running)
+    return ways(tool.read("found.txt"))
+
+
+@scene("zlac8015d", "yako-closed-loop")
+def comes_back(tool: Tool, device: str):
+    tool.write("switches.txt", ZLAC if device == "zlac8015d" else YAKO)
+    with tool.simulated(f"{device} --switches switches.txt") as drive:
+        if device != "zlac8015d":
+            tool.run(f"write drive {device} auxiliary_command=release --yes")
+        found = probed(tool, drive, device)
+        tool.status_is(f"{device}: it ends well", 0)
+        wanted = ways(ZLAC if device == "zlac8015d" else YAKO)
+        open_ones = {"code_1"}  # nobody sees a brake here
+        wrong = {name: found.get(name) for name, way in wanted.items() if name not in open_ones and found.get(name) != way}
+        tool.check(f"{device}: what went in comes out", not wrong, str(wrong) + tool.found())
+        tool.check(f"{device}: with the version, and no place", found["firmware"].isdigit() and "drive" not in
+                   tool.read("found.txt").replace(device, "").replace("drive_", "").split("\n", 2)[0])
+        status = tool.run(f"read drive {device} status_word {WAIT}").out
+        tool.check(f"{device}: and it is at rest", ("released" in status and "moving" not in status) or "0x0000" in status, status)
+    with tool.simulated(f"{device} --switches found.txt", named=f"{device}: a simulator behaves so"):
+        pass
+
+
+@scene()
+def without_consent(tool: Tool):
+    with tool.simulated("zlac8015d") as drive:
+        found = probed(tool, drive, "zlac8015d", consent="no", power=False)
+        tool.status_is("without consent it ends well too", 0)
+        settled = {name for name, way in found.items() if way != "?"} - {"firmware"}
+        tool.is_equal("and settles what needs no motion", settled, {"code"})
+        tool.says("nothing was enabled", f"read drive zlac8015d control_word mode_of_operation {WAIT}",
+                  "control_word=stop (0x0007)", "mode_of_operation=undefined (0x0000)")
+
+
+@scene()
+def refused(tool: Tool):
+    with tool.simulated("yako-closed-loop"):
+        tool.fails("a motor that is enabled", f"probe drive yako-closed-loop found.txt {WAIT}", 1, "refused: the motor is enabled")
+        tool.check("and no file is made", not tool.exists("found.txt"))
+    tool.fails("a device of which nothing is known", "probe no-such-port raw:1 found.txt", 2, "nothing is known to probe")
+    tool.fails("words that are missing", "probe no-such-port zlac8015d", 2, "probe takes PORT DEVICE[:NODE] FILE")
+    head = "servobus-findings format=1 device=zlac8015d\n"
+    for text, line, why in [
+        ("", 1, "it is no file of findings"),
+        ("save=all\n", 1, "it is no file of findings"),
+        ("servobus-findings format=2 device=zlac8015d\n", 1, "it has format '2', not 1"),
+        ("servobus-findings format=1 device=c630s\n", 1, "it is not of a zlac8015d: '1 device=c630s'"),
+        (head + "saves=all\n", 2, "unknown name 'saves'; did you mean save?"),
+        (head + "save=some\n", 2, "save takes marked, all or ?, not 'some'"),
+        (head + "save=all\n\nsave=?\n", 4, "save is there twice"),
+        (head + "save\n", 2, "'save' is no name=value"),
+    ]:
+        tool.write("switches.txt", text)
+        tool.fails(f"switches: {why}", "sim zlac8015d --switches switches.txt", 2, f"switches.txt:{line}: {why}")
+    tool.fails("no file", "sim zlac8015d --switches none.txt", 2, "cannot read none.txt")
+    tool.write("meter.csv", "address,name\n1,a\n")
+    tool.fails("a device without switches", "sim meter.csv --switches switches.txt", 2, "meter.csv has no switches")
+
+
+play_tool()
