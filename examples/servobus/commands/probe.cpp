@@ -14,6 +14,7 @@
 #include "../os/interrupts.hpp"
 #include "../probe/bench.hpp"
 #include "../session.hpp"
+#include "../text/findings_file.hpp"
 
 namespace tool {
 namespace {
@@ -139,11 +140,11 @@ int probe(const arguments& asked) {
     std::vector<u16> version(row.words());
     if (const servobus::status why = on.read(choose(row), version); why.error() != servobus::errc::ok)
         return complain(failed, std::string{row.name} + ": " + why_text(*of, why, on));
-    found.facts.emplace_back("firmware", std::to_string(version[0]));
+    found.firmware = std::to_string(version[0]);
     real_bench bench{on, *of};
     of->kind->probe(bench, found);
     print(found);
-    if (const int status = file.put(found.file_text(of->facts().name)); status != done) return status;
+    if (const int status = file.put(findings_text(found, of->facts().name)); status != done) return status;
     return bench.trouble().empty() ? done : complain(failed, "ended early: " + bench.trouble());
 }
 

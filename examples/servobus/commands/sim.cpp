@@ -4,6 +4,7 @@
 // servobus sim: the command line of a simulated drive.
 #include "../devices/simulators.hpp"
 #include "../text/device_file.hpp"
+#include "../text/findings_file.hpp"
 #include "../tool.hpp"
 
 #include <filesystem>
@@ -30,7 +31,8 @@ int read_switches(const device& of, const std::string& path, simulation& wanted)
     const std::string text = read_text_file(path, largest_findings, why);
     if (!why.empty()) return complain(usage, why);
     findings found{of.interpretations};
-    if (why = found.parse(of.facts().name, text); !why.empty()) return complain(usage, path + ':' + why);
+    if (why = parse_findings(found, of.facts().name, text); !why.empty())
+        return complain(usage, path + ':' + why);
     wanted.ways = found.numbers();
     return done;
 }

@@ -1,16 +1,12 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Where a drive's manual can be read in several ways, and which of them a drive follows. A file of findings is
-//
-//     servobus-findings format=1 device=zlac8015d
-//     firmware=107
-//     save=marked
-//     by_fault=?     # open
-//
-// and says nothing of its machine and its owner.
+// Where a drive's manual can be read in several ways, and which of them a drive follows. text/findings_file.hpp has them as
+// a file.
 #pragma once
 
+#include <cstddef>
+#include <cstdlib>
 #include <optional>
 #include <span>
 #include <string>
@@ -33,24 +29,26 @@ class findings {
 
     std::span<const interpretation> all() const { return of_; }
     std::optional<unsigned> way(std::size_t i) const { return ways_[i]; }
+    void set(std::size_t i, unsigned way) { ways_[i] = way; }
     /// Neither name may be misspelt: the program ends.
-    void set(std::string_view name, std::string_view way);
-    /// Nothing is known of it.
-    void forget(std::string_view name) { ways_[index_of(name)].reset(); }
+    void set(std::string_view name, std::string_view way) {
+        for (std::size_t i = 0; i < of_.size(); ++i) {
+            for (unsigned w = 0; name == of_[i].name && w < of_[i].ways.size(); ++w) {
+                if (way == of_[i].ways[w]) return set(i, w);
+            }
+        }
+        std::abort();
+    }
     /// The numbers of the ways, 0 where nothing is known.
-    std::vector<unsigned> numbers() const;
+    std::vector<unsigned> numbers() const {
+        std::vector<unsigned> all;
+        for (const std::optional<unsigned>& way : ways_) all.push_back(way.value_or(0));
+        return all;
+    }
 
-    /// What stands in front of the ways, such as the firmware's version: key and value.
-    std::vector<std::pair<std::string, std::string>> facts{};
-
-    std::string file_text(std::string_view device) const;
-    /// Takes a file apart. Returns what is wrong, `LINE: why`; empty if nothing is.
-    std::string parse(std::string_view device, std::string_view text);
+    std::string firmware{}; ///< its version; empty if it is not known
 
   private:
-    std::size_t index_of(std::string_view name) const;
-    std::string take(std::string_view key, std::string_view value);
-
     std::span<const interpretation> of_;
     std::vector<std::optional<unsigned>> ways_;
 };
