@@ -135,8 +135,12 @@ class session {
         client_.emplace(*line_, node_);
     }
     void wait(servobus::duration time) { port_.wait(time); }
-    /// Sends bytes as they are, and counts those that come within `time`. For a port with a line of its own.
-    std::size_t count_after(servobus::bytes frame, servobus::duration time);
+    /// How long a response may take to begin.
+    servobus::duration response_limit() const { return node_.limits.response; }
+    /// Sends bytes as they are, and counts those that come within `time`, which it puts behind `all` if that is not null.
+    /// For a port with a line of its own.
+    std::size_t count_after(servobus::bytes frame, servobus::duration time,
+                            std::vector<std::uint8_t>* all = nullptr);
 
     /// From now on a port that was lost is opened anew, and what cannot have been sent leaves then: a call waits for it
     /// for `patience`. Says so on standard error.

@@ -245,7 +245,8 @@ servobus::status session::write_now(const chosen& what, std::span<const u16> wor
     return w;
 }
 
-std::size_t session::count_after(servobus::bytes frame, servobus::duration time) {
+std::size_t session::count_after(servobus::bytes frame, servobus::duration time,
+                                 std::vector<std::uint8_t>* all) {
     std::size_t sent = 0, came = 0;
     std::uint8_t room[256];
     const servobus::instant begun = port_.now();
@@ -255,7 +256,10 @@ std::size_t session::count_after(servobus::bytes frame, servobus::duration time)
             if (!taken) return 0;
             sent += *taken;
         }
-        if (const servobus::transfer got = port_.receive(room)) came += *got;
+        if (const servobus::transfer got = port_.receive(room)) {
+            came += *got;
+            if (all != nullptr) all->insert(all->end(), room, room + *got);
+        }
         port_.wait(servobus::milliseconds(1));
     }
     return settings_.keeps_echo && came >= frame.size() ? came - frame.size() : came;

@@ -34,6 +34,23 @@ commands_read_back=yes
 interrupts_from_target=yes
 """
 
+C630S = """servobus-findings format=1 device=c630s
+stores_eeprom_off=no
+resets_while_enabled=yes
+echoes_byte_count=yes
+restart_keeps=everything
+software_reset_is_power_on=no
+brake=always_released
+bus_stop=frees_shaft
+commands_end=no
+segment_start_is_level=yes
+jog_follows_command=yes
+delay_is_additional=yes
+first_output_shows=yes
+gear_keeps_rest=yes
+"""
+SWITCHES = {"zlac8015d": ZLAC, "yako-closed-loop": YAKO, "c630s": C630S}
+
 
 def ways(text: str) -> dict[str, str]:
     lines = [line.split("#")[0].strip() for line in text.splitlines()[1:]]
@@ -69,22 +86,22 @@ def probed(tool: Tool, drive, device: str, consent: str = "move", power: bool = 
     return ways(tool.read("found.txt"))
 
 
-@scene("zlac8015d", "yako-closed-loop")
+@scene(*SWITCHES)
 def comes_back(tool: Tool, device: str):
-    tool.write("switches.txt", ZLAC if device == "zlac8015d" else YAKO)
+    tool.write("switches.txt", SWITCHES[device])
     with tool.simulated(f"{device} --switches switches.txt") as drive:
-        if device != "zlac8015d":
+        if device == "yako-closed-loop":
             tool.run(f"write drive {device} auxiliary_command=release --yes")
         found = probed(tool, drive, device)
         tool.status_is(f"{device}: it ends well", 0)
-        wanted = ways(ZLAC if device == "zlac8015d" else YAKO)
+        wanted = ways(SWITCHES[device])
         open_ones = {"code_1"}  # nobody sees a brake here
         wrong = {name: found.get(name) for name, way in wanted.items() if name not in open_ones and found.get(name) != way}
         tool.check(f"{device}: what went in comes out", not wrong, str(wrong) + tool.found())
         tool.check(f"{device}: with the version, and no place", found["firmware"].isdigit() and "drive" not in
                    tool.read("found.txt").replace(device, "").replace("drive_", "").split("\n", 2)[0])
-        status = tool.run(f"read drive {device} status_word {WAIT}").out
-        tool.check(f"{device}: and it is at rest", ("released" in status and "moving" not in status) or "0x0000" in status, status)
+        tool.run(f"probe drive {device} again.txt {WAIT}", stdin="")
+        tool.check(f"{device}: and it is at rest", "refused" not in tool.last.err and tool.exists("again.txt"))
     with tool.simulated(f"{device} --switches found.txt", named=f"{device}: a simulator behaves so"):
         pass
 

@@ -76,8 +76,7 @@ class real_bench final : public probe_bench {
         const servobus::bytes all = good;
         std::vector<std::uint8_t> frame{all.begin(), all.end()};
         frame.back() ^= 0x55u;
-        return on_->count_after(servobus::bytes{frame}, servobus::milliseconds(300)) == 0 ? seen::no
-                                                                                          : seen::yes;
+        return on_->count_after(servobus::bytes{frame}, longest_wait()) == 0 ? seen::no : seen::yes;
     }
     seen look_at(std::uint8_t node) override {
         on_->set_node(node);
@@ -90,6 +89,19 @@ class real_bench final : public probe_bench {
                                                   : seen::unknown;
     }
 
+    std::optional<u16> count_now(u16 address, u16 word) override {
+        if (on_->port().is_network()) return std::nullopt;
+        const std::uint16_t values[] = {word};
+        const auto request = servobus::modbus::write_frame(of_->node, address, values);
+        std::vector<std::uint8_t> came;
+        (void)on_->count_after(request, longest_wait(), &came);
+        constexpr std::size_t size = 8; // of its response
+        if (came.size() < size || came[came.size() - size + 1] != 0x10) return std::nullopt;
+        return servobus::load_word(servobus::bytes{came}, came.size() - size + 4);
+    }
+    servobus::instant clock() const override { return on_->port().now(); }
+
+    servobus::duration longest_wait() const { return on_->response_limit() + servobus::milliseconds(200); }
     static std::string answer_to(const std::string& question) {
         (void)std::fprintf(stderr, "%s", question.c_str());
         (void)std::fflush(stderr);

@@ -12,6 +12,7 @@
 #include <servobus/device/c630s/registers.hpp>
 
 #include "../parameters.hpp"
+#include "../probe/c630s.hpp"
 #include "../probe/c630s_switches.hpp"
 #include "at_rest.hpp"
 #include "registered_drive.hpp"
@@ -120,6 +121,10 @@ const registered_drive of_c630s{{.map = servobus::c630s::catalogue,
                                  .most_stored = 200,
                                  .excludes = servobus::c630s::excludes,
                                  .interpretations = c630s_interpretations,
+                                 .probe =
+                                     [](probe_bench& on, findings& found) {
+                                         c630s_probe{on, found}.run();
+                                     },
                                  .version_register = servobus::c630s::software_version.address,
                                  .turning = c630s_turning,
                                  .on_line = &servobus::c630s::device::on_line,

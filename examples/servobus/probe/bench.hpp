@@ -8,6 +8,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 
@@ -62,7 +63,21 @@ class probe_bench {
     seen answers_bad_crc() { return has_failed_ ? seen::unknown : bad_crc_now(); }
     /// Whether the drive responds at this address, which may not be its own.
     seen responds_at(std::uint8_t node) { return has_failed_ ? seen::unknown : look_at(node); }
+    /// The words 5 and 6 of the response to function 10h that writes one word: by the standard 1. None if it is not known.
+    std::optional<std::uint16_t> count_in_response(std::uint16_t address, std::uint16_t word) {
+        return has_failed_ ? std::nullopt : count_now(address, word);
+    }
+    servobus::instant now() const { return clock(); }
     bool has_failed() const { return has_failed_; }
+    /// Waits for a drive that was lost, so that it gets its old words back: 20 s at most. True if it responds.
+    bool is_back(std::uint16_t address) {
+        std::uint16_t word[1]{};
+        for (int i = 0; i < 100 && has_failed_; ++i) {
+            wait_now(servobus::milliseconds(200));
+            has_failed_ = !read_now(address, word);
+        }
+        return !has_failed_;
+    }
 
   protected:
     enum class written : std::uint8_t { yes, refused, unknown };
@@ -88,6 +103,8 @@ class probe_bench {
     virtual bool power_cycle() = 0;
     virtual seen bad_crc_now() = 0;
     virtual seen look_at(std::uint8_t node) = 0;
+    virtual std::optional<std::uint16_t> count_now(std::uint16_t address, std::uint16_t word) = 0;
+    virtual servobus::instant clock() const = 0;
 
     bool has_failed_ = false;
 };

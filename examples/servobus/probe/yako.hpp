@@ -46,6 +46,8 @@ class yako_probe {
             after_power_cycles();
         }
         make_safe();
+        if (!on_->is_back(servobus::yako::status_word.address)) return;
+        make_safe();
         restore();
     }
 

@@ -40,7 +40,11 @@ class zlac8015d_probe {
         stop();
         restore();
         what_is_saved();
-        if (on_->has_failed()) stop();
+        if (!on_->has_failed()) return;
+        stop();
+        if (!on_->is_back(servobus::zlac8015d::status_word.address)) return;
+        stop();
+        restore();
     }
 
   private:
