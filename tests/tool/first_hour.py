@@ -1,0 +1,117 @@
+# SPDX-FileCopyrightText: The servobus authors
+# SPDX-License-Identifier: BSL-1.0
+"""Follows the page of the first hour to the letter, on a simulated drive that was set up as the page finds it.
+
+What a ```text block quotes must be printed by the commands of the block before it, in that order. `...` stands for the
+rest of a line, and one number for another of the same kind. Commands that are not run are named, with the reason.
+"""
+import os
+import re
+import sys
+from pathlib import Path
+
+HERE = Path(__file__).resolve().parent
+sys.path.insert(0, str(HERE.parent / "support"))
+from programs import Tool, play_tool, scene, until
+from shared_wire import shared_wire
+
+PAGE = (HERE.parents[1] / "examples/servobus/first_hour.md").read_text()
+PORT = "/dev/ttyUSB0"
+NOT_RUN = {"ls ": "there is no adapter here"}
+# What a person types where a command asks.
+TYPED = {"write": "write\n", "apply": "apply\n"}
+WAIT = "--timeout 2000"
+
+
+def blocks() -> list[tuple[str, list[str]]]:
+    found = re.findall(r"^```(\w+)\n(.*?)^```$", PAGE, re.MULTILINE | re.DOTALL)
+    return [(kind, text.splitlines()) for kind, text in found]
+
+
+def machine_file() -> str:
+    lines = PAGE.splitlines()
+    first = next(i for i, line in enumerate(lines) if line.startswith("    servobus-machine"))
+    last = next(i for i in range(first, len(lines)) if not lines[i])
+    return "".join(line.strip() + "\n" for line in lines[first:last])
+
+
+def is_like(quoted: str, line: str) -> bool:
+    pattern = re.escape(re.sub(r"\d+(\.\d+)?", "0", quoted)).replace(re.escape("..."), ".*")
+    return re.fullmatch(pattern + r"\s*", re.sub(r"\d+(\.\d+)?", "0", line)) is not None
+
+
+def quotes(tool: Tool, name: str, quoted: list[str], printed: str):
+    lines = iter(printed.splitlines())
+    for wanted in quoted:
+        is_there = any(is_like(wanted, line) for line in lines)
+        tool.check(f"{name}: {wanted[:60]}", is_there, printed)
+
+
+@scene()
+def from_the_carton(tool: Tool):
+    """A ZLAC8015D as from the factory, whose stop input somebody has inverted; another program is the person's hand."""
+    tool.write("machine.txt", machine_file())
+    # A drive whose wheels a hand can turn, for one step: its positions can be written.
+    tool.write("wheels.csv", "address,name,type,access,default\n0x200D,mode,u16,rw,0\n0x20A2,status,u16,ro,0\n"
+               "0x20AB,left_speed,i16,ro,0\n0x20AC,right_speed,i16,ro,0\n0x2030,left_lines,u16,rw,1024\n"
+               "0x2060,right_lines,u16,rw,1024\n0x20A7,left,i32,rw,0\n0x20A9,right,i32,rw,0\n")
+    printed, played = "", 0
+    with tool.simulated("zlac8015d"), tool.simulated("wheels.csv", link="by_hand"), \
+            shared_wire([tool.folder / "by_hand"], 2) as (shaft, hand):
+        tool.run(f"write drive zlac8015d input_polarity=x0 host_timeout=100 {WAIT}")
+        for kind, lines in blocks():
+            if kind == "text":
+                if printed:
+                    quotes(tool, f"step {played}", lines, printed)
+                continue
+            printed = ""
+            for line in lines:
+                if any(line.startswith(begin) for begin in NOT_RUN):
+                    continue
+                tool.check(f"{line[:40]}: is a command of the tool", line.startswith("servobus "), line)
+                words = line.split()[1:]
+                is_by_hand = words[0] == "turn"
+                words = [(shaft if is_by_hand else "drive") if word == PORT else word for word in words]
+                if words[0] not in ("scan", "watch"):
+                    words += WAIT.split()
+                if is_by_hand:
+                    reads, writes = os.pipe()
+                    with os.fdopen(reads) as stdin:
+                        running = tool.start(words, stdin=stdin)
+                        until(lambda: "press Enter" in running.err)
+                        tool.run(f"write {hand} wheels.csv left={5 * 4096 + 30} --yes {WAIT}")
+                        os.write(writes, b"\n")
+                        os.close(writes)
+                        tool.ends(running)
+                else:
+                    tool.run(words, stdin=TYPED.get(words[0], ""))
+                printed += tool.last.out
+                played += 1
+                is_refused = "refused " in tool.last.out
+                tool.check(f"{line[:60]}: its status", tool.last.status == (1 if is_refused else 0), tool.found())
+        tool.check("the page was played", played >= 10, str(played))
+        until(lambda: "=0.0" in tool.run(f"read drive zlac8015d left_actual_speed {WAIT}").out)
+        tool.says("the wheels have stopped, and the drive keeps its file",
+                  f"read drive zlac8015d left_actual_speed left_max_current host_timeout {WAIT}",
+                  "left_actual_speed=0.0 r/min", "left_max_current=12.5 A", "host_timeout=500 ms")
+
+
+@scene()
+def stops(tool: Tool):
+    """The three stops of the page: without a question, and of a motor that turns."""
+    commands = re.findall(r"^    servobus write /dev/ttyUSB0 (\S+) (\S+)", PAGE, re.MULTILINE)
+    tool.check("there is one for each drive", len(commands) == 3, str(commands))
+    for device, word in commands:
+        kind = device.split(":")[0]
+        with tool.simulated(kind, link=kind):
+            tool.run(f"write {kind} {device} {word} {WAIT}")
+            tool.check(f"{kind}: {word} asks nothing", tool.last.status == 0 and "Type" not in tool.last.err, tool.found())
+    with tool.simulated("zlac8015d"):
+        tool.run(f"write drive zlac8015d host_timeout=20000 mode_of_operation=velocity left_target_speed=10 control_word=enable --yes {WAIT}")
+        until(lambda: "=10.0" in tool.run(f"read drive zlac8015d left_actual_speed {WAIT}").out)
+        tool.run(f"write drive zlac8015d:1 control_word=quick_stop {WAIT}")
+        stopped = until(lambda: "=0.0" in tool.run(f"read drive zlac8015d left_actual_speed {WAIT}").out)
+        tool.check("and stops it", stopped)
+
+
+play_tool()
