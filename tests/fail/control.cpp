@@ -6,6 +6,7 @@
 
 #include <servobus/any_device.hpp>
 #include <servobus/axis/differential.hpp>
+#include <servobus/client/change_address.hpp>
 #include <servobus/client/settings_on_one_line.hpp>
 #include <servobus/client/stepped_read.hpp>
 #include <servobus/client/stepped_write.hpp>
@@ -25,6 +26,7 @@
 #include "basin.hpp"
 #include "belts.hpp"
 #include "chassis.hpp"
+#include "drives.hpp"
 #include "gauge.hpp"
 #include "program.hpp"
 #include "served.hpp"
@@ -283,6 +285,22 @@ int main() {
     (void)stepper.run(yako::open_loop::home{yako::homing::home_24});
     (void)stepper.run(yako::set_speed_segment{16, 60 * units::r_per_min});
     (void)stepper.run(servobus::take_over{servobus::disable{}, yako::save{}});
+    {
+        some_wheels wheels;
+        some_servo servo;
+        (void)wheels.run(zlac::ramps{800 * units::millisecond, 500 * units::millisecond});
+        (void)wheels.run(zlac::watchdog{500 * units::millisecond});
+        (void)wheels.run(servobus::enable{});
+        (void)wheels.run(zlac::torque{500 * units::milliampere, {}});
+        (void)change_address<zlac::node_address>(drive, 9);
+        (void)wheels.run(zlac::set<zlac::left_speed_kp>{600});
+        (void)stepper.run(yako::set<yako::open_loop::max_current>{3 * units::ampere});
+        (void)stepper.run(yako::set_microsteps{2000});
+        (void)servo.run(c630s::enable_in{c630s::control_mode::speed});
+        (void)servo.run(c630s::keep<c630s::pulses_per_revolution>{checked(raw(10000))});
+        (void)wheels.run(zlac::save{});
+        (void)stepper.run(yako::save{});
+    }
     constexpr auto shared = servobus::settings_on_one_line<9600>(servobus::node<zlac::device>{1},
                                                                  servobus::node<c630s::device>{2});
     (void)shared;

@@ -297,7 +297,10 @@ class client : public raw_client<Line, Device, Node> {
         check_wear<R>();
         check_row<R>();
         if (value.error() != errc::ok) return value.error();
-        return write_bits<row_type<R>::words, true>(R.address, value.bits());
+        if constexpr (raw::link_type::template are_cached<R>)
+            return raw::template changed<true>(write_bits<row_type<R>::words, true>(R.address, value.bits()));
+        else
+            return write_bits<row_type<R>::words, true>(R.address, value.bits());
     }
     /// The same for one coil.
     template <const auto& R>
@@ -333,8 +336,11 @@ class client : public raw_client<Line, Device, Node> {
         if (value.error() != errc::ok) return value.error();
         if (!node_.is_valid()) return errc::bad_argument;
         // The answer to a setting of the line may be the last one at this address.
-        return write_bits<row_type<R>::words, false, has(R.flags, flag::communication)>(R.address,
-                                                                                        value.bits(), on);
+        constexpr bool is_last = has(R.flags, flag::communication);
+        if constexpr (raw::link_type::template are_cached<R>)
+            return raw::changed(write_bits<row_type<R>::words, false, is_last>(R.address, value.bits(), on));
+        else
+            return write_bits<row_type<R>::words, false, is_last>(R.address, value.bits(), on);
     }
     template <const auto& Rows>
     constexpr status put(std::size_t index, register_value<at<Rows, 0>> value, const condition& on = {}) {
@@ -343,7 +349,11 @@ class client : public raw_client<Line, Device, Node> {
         check_row<Rows>();
         if (index >= rows::size) return errc::bad_argument;
         if (value.error() != errc::ok) return value.error();
-        return write_bits<rows::words>(Rows[index].address, value.bits(), on);
+        const u16 address = Rows[index].address;
+        if constexpr (raw::link_type::template has_cached_element<Rows>)
+            return raw::written(address, rows::words, write_bits<rows::words>(address, value.bits(), on));
+        else
+            return write_bits<rows::words>(address, value.bits(), on);
     }
     template <const auto& R> constexpr status put_if_different(register_value<R> value) {
         constexpr std::size_t words = row_type<R>::words;
@@ -453,7 +463,10 @@ class client : public raw_client<Line, Device, Node> {
         };
         (put(values, row_type<Rs>::words), ...);
         if (wrong != errc::ok) return wrong;
-        return write_many(frame, plan::rows[0].address);
+        if constexpr (raw::link_type::template are_cached<Rs...>)
+            return raw::changed(write_many(frame, plan::rows[0].address));
+        else
+            return write_many(frame, plan::rows[0].address);
     }
 };
 

@@ -49,7 +49,10 @@ template <class Line, device_class Device, class Node> struct open_responses<raw
                                                            of.node_.priority};
         if (x.response_size() == 0) return errc::bad_argument;
         status why = of.run(x);
-        if (why.was_sent() && !modbus::only_reads(pdu)) of.invalidate(of.all());
+        if (why.was_sent() && !modbus::only_reads(pdu)) {
+            of.invalidate(of.all());
+            if constexpr (own::link_type::may_have_facade) of.note_change();
+        }
         const std::size_t size = length_of(of, x);
         request_machine call = request_machine::transaction();
         (void)call.goes_on(why, of.node_, same_bytes(bytes{response}.first(size), sent),

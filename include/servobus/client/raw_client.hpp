@@ -77,7 +77,9 @@ class raw_client : protected detail::node_link<Line, Device, Node> {
     }
 
     /// Writes one raw register, function 06.
-    constexpr status write_word(u16 address, u16 value) { return write_one(address, value); }
+    constexpr status write_word(u16 address, u16 value) {
+        return link::written(address, 1, write_one(address, value));
+    }
     /// A bool and a character are no numbers: they do not compile.
     template <class N>
     requires detail::is_bool_or_character<N>
@@ -92,7 +94,8 @@ class raw_client : protected detail::node_link<Line, Device, Node> {
             !modbus::fits_address_space(address, static_cast<u16>(words.size())))
             return errc::bad_argument;
         std::uint8_t frame[modbus::max_frame];
-        return write_words_in(byte_buffer{frame}.first(9 + 2 * words.size()), address, words);
+        const byte_buffer part = byte_buffer{frame}.first(9 + 2 * words.size());
+        return link::written(address, words.size(), write_words_in(part, address, words));
     }
 
     /// The same for an array, with a buffer of its size in place of one for the longest frame.
@@ -127,8 +130,10 @@ class raw_client : protected detail::node_link<Line, Device, Node> {
         if (x.response_size() != room.size()) return errc::bad_argument;
         request_machine call = request_machine::transaction();
         status why = run(x);
-        if (why.was_sent() && !modbus::only_reads(pdu))
-            link::invalidate(link::all()); // any register may be written
+        if (why.was_sent() && !modbus::only_reads(pdu)) { // any register may be written
+            link::invalidate(link::all());
+            if constexpr (link::may_have_facade) link::note_change();
+        }
         if (why && modbus::is_loopback(sent) && !same_bytes(room, sent))
             why = status::sent(errc::wrong_value);
         (void)call.goes_on(why, node_, same_bytes(room, sent), line_->is_echo_ruled_out());
@@ -205,7 +210,7 @@ class raw_client : protected detail::node_link<Line, Device, Node> {
     template <std::size_t N> constexpr status write_array(u16 address, slice<const u16> words) {
         if (!modbus::fits_address_space(address, N)) return errc::bad_argument;
         std::uint8_t frame[9 + 2 * N];
-        return write_words_in(frame, address, words);
+        return link::written(address, N, write_words_in(frame, address, words));
     }
     constexpr status write_words_in(byte_buffer frame, u16 address, slice<const u16> words) {
         for (std::size_t i = 0; i < words.size(); ++i) store_word(frame, 7 + 2 * i, words[i]);

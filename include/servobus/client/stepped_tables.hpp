@@ -233,13 +233,17 @@ class stepped_change_bits : public detail::stepped_table_request<typename Client
     /// Begins to set the bits of `Mask` to those of `value`. Errors: `busy`, `bad_argument`.
     constexpr errc begin(u16 value) {
         detail::check_mask<typename Client::device, R, Mask>();
+        if (!base::done()) return errc::busy;
+        change_ = base::template change_of<is_cached>(true);
         return base::begin_masked(frame_, R.address, static_cast<u16>(~Mask), static_cast<u16>(value & Mask));
     }
     constexpr duration step() {
-        return base::template move_on<detail::call_of::masked>(frame_);
+        return base::template move_on_and_note<detail::call_of::masked>(frame_, change_);
     } ///< as of a write
 
   private:
+    static constexpr bool is_cached = Client::link_type::template are_cached<R>;
+    [[no_unique_address]] detail::change_note<is_cached> change_{};
     std::uint8_t frame_[10];
 };
 
@@ -267,10 +271,11 @@ class stepped_write_then_read : public detail::stepped_table_request<typename Cl
         }
         if (const errc wrong = plan::put(frame_, order, values...); wrong != errc::ok)
             return base::refused(wrong);
+        change_ = base::template change_of<is_cached>(true);
         return base::begin_both(frame_, plan::extents, on);
     }
     constexpr duration step() {
-        return base::template move_on<detail::call_of::both>(frame_);
+        return base::template move_on_and_note<detail::call_of::both>(frame_, change_);
     } ///< as of a write
     /// The values that were read after the write, or why there are none.
     constexpr result_type value() const {
@@ -288,6 +293,8 @@ class stepped_write_then_read : public detail::stepped_table_request<typename Cl
     }
 
   private:
+    static constexpr bool is_cached = Client::link_type::template are_cached<Ws...>;
+    [[no_unique_address]] detail::change_note<is_cached> change_{};
     std::uint8_t frame_[plan::room];
 };
 

@@ -51,16 +51,19 @@ class stepped_put<Client, Wears, R> : public stepped_request<typename Client::li
         return begin(value, base::needing(token));
     }
     /// Moves on without waiting. Returns the time within which nothing happens unless a byte comes.
-    constexpr duration step() { return base::move_on(frame_); }
+    constexpr duration step() { return base::move_on_and_note(frame_, change_); }
 
   private:
     constexpr errc begin(register_value<R> value, typename base::condition on) {
         if (!base::done()) return errc::busy;
         if (value.error() != errc::ok) return base::refused(value.error());
+        change_ = base::template change_of<is_cached>(true);
         return base::template begin_value<row::words>(frame_, R.address, value.bits(), on,
                                                       has(R.flags, flag::communication));
     }
 
+    static constexpr bool is_cached = Client::link_type::template are_cached<R>;
+    [[no_unique_address]] change_note<is_cached> change_{};
     std::uint8_t frame_[base::write_room(row::words, has(R.flags, flag::communication))];
 };
 
@@ -87,16 +90,19 @@ requires(is_register_array<Rows> && !has_bits<Rows>) class stepped_put<Client, W
         static_assert(base::has_tokens, "this device keeps writes only when told to");
         return begin(index, value, base::needing(token));
     }
-    constexpr duration step() { return base::move_on(frame_); } ///< as of one register
+    constexpr duration step() { return base::move_on_and_note(frame_, change_); } ///< as of one register
 
   private:
     constexpr errc begin(std::size_t index, register_value<at<Rows, 0>> value, typename base::condition on) {
         if (!base::done()) return errc::busy;
         if (index >= rows::size) return base::refused(errc::bad_argument);
         if (value.error() != errc::ok) return base::refused(value.error());
+        if constexpr (is_cached) change_ = {Client::link_type::is_cached(Rows[index].address, rows::words)};
         return base::template begin_value<rows::words>(frame_, Rows[index].address, value.bits(), on, false);
     }
 
+    static constexpr bool is_cached = Client::link_type::template has_cached_element<Rows>;
+    [[no_unique_address]] change_note<is_cached> change_{};
     std::uint8_t frame_[base::write_room(rows::words, false)];
 };
 
@@ -131,11 +137,14 @@ requires(sizeof...(Rs) > 1 && !(is_bit<Rs> || ...)) class stepped_put<Client, We
         };
         (put(values, row_type<Rs>::words), ...);
         if (wrong != errc::ok) return base::refused(wrong);
+        change_ = base::template change_of<is_cached>(true);
         return base::begin_block(frame_, plan::words, plan::rows[0].address, on);
     }
-    constexpr duration step() { return base::move_on(frame_); } ///< as of one register
+    constexpr duration step() { return base::move_on_and_note(frame_, change_); } ///< as of one register
 
   private:
+    static constexpr bool is_cached = Client::link_type::template are_cached<Rs...>;
+    [[no_unique_address]] change_note<is_cached> change_{};
     std::uint8_t frame_[9 + 2 * plan::words];
 };
 } // namespace detail
@@ -171,16 +180,20 @@ class stepped_write_words : public detail::stepped_request<typename Client::link
             !modbus::fits_address_space(address, static_cast<u16>(words.size())))
             return base::refused(errc::bad_argument);
         for (std::size_t i = 0; i < words.size(); ++i) store_word(frame_, 7 + 2 * i, words[i]);
+        change_ = base::template change_of<is_cached>(Client::link_type::is_cached(address, words.size()));
         return base::begin_block(frame_, words.size(), address, {});
     }
     /// Begins to write one register, function 06. Errors: as above.
     constexpr errc begin(u16 address, u16 word) {
         if (!base::done()) return errc::busy;
+        change_ = base::template change_of<is_cached>(Client::link_type::is_cached(address, 1));
         return base::template begin_value<1>(frame_, address, word, {}, false);
     }
-    constexpr duration step() { return base::move_on(frame_); } ///< as of one register
+    constexpr duration step() { return base::move_on_and_note(frame_, change_); } ///< as of one register
 
   private:
+    static constexpr bool is_cached = Client::link_type::may_have_facade;
+    [[no_unique_address]] detail::change_note<is_cached> change_{};
     std::uint8_t frame_[9 + 2 * Most];
 };
 

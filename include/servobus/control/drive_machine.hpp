@@ -6,7 +6,7 @@
 // hand, here on a line that answers at once. control/README.md draws it.
 //
 //     template <class Machine, class Line> void turn(Machine& drive, Line& on, instant now) {
-//         if (drive.pass(now, on.epoch(drive.address()).losses)) drive.notify(on);
+//         if (drive.pass(now, on)) drive.notify(on);
 //         drive.load(drive.next(now, on), now, on);
 //         if (drive.purpose() != flight::none) on.answer(drive.exchange()), drive.conclude(now, now, false);
 //     }
@@ -25,7 +25,7 @@
 namespace servobus {
 
 /// The machine of a drive that `Model` describes (device/README.md). `Exchange` is its line's. A `Line` gives the epoch of
-/// a node and the timing, gives an exchange up (`abandon`) and keeps itself free (`announce_stop`).
+/// a node, the node that was changed last, and the timing, gives an exchange up (`abandon`) and keeps itself free (`announce_stop`).
 template <class Model, class Exchange> class drive_machine : public detail::command_life<Model, Exchange> {
     using base = detail::command_life<Model, Exchange>;
     using base::exchange_, base::frame_, base::known_, base::slot_;
@@ -188,7 +188,13 @@ template <class Model, class Exchange> class drive_machine : public detail::comm
     constexpr bool is_origin_open() const { return slot_.is_setting_origin() || slot_.is_stopping(); }
     // During a take-over nothing raises a suspicion: positions count from a new origin, and an image is not judged while
     // settings change.
-    [[gnu::noinline]] constexpr bool may_ask_witness() const {
+    constexpr bool may_ask_witness() const {
+        if constexpr (polls::has_watchdog) // its witness takes little code
+            return known_.is_known() && known_.witness(slot_.command()).look != nullptr;
+        else
+            return may_ask_other_witness();
+    }
+    [[gnu::noinline]] constexpr bool may_ask_other_witness() const {
         return known_.is_known() && known_.witness(slot_.command()).look != nullptr;
     }
     constexpr void conclude_slower(const status& got, instant began, instant now) {

@@ -38,7 +38,13 @@ template <class Model, class Line> class facade : public drive_view<Model, Line>
     /// meanwhile. Errors: the command's own; `preempted` if a stop replaced it.
     template <class Wanted> routine_status run(const Wanted& wanted) {
         prepared_command next = planned(wanted);
-        return run_planned(next);
+        if constexpr (changes_cached_settings<Wanted>) {
+            const routine_status how = run_planned(next);
+            if (how.outcome() != outcome::not_sent) note_change();
+            return how;
+        } else {
+            return run_planned(next);
+        }
     }
     /// Runs a command that is made of others, such as `take_over`. Waits. Returns which of them failed, and how.
     template <commands::made_of_commands Wanted> typename Wanted::status_of_parts run(const Wanted& wanted) {
@@ -52,14 +58,18 @@ template <class Model, class Line> class facade : public drive_view<Model, Line>
     /// ends (`needs_command_timeout`) where there is none, or a plan with neither steps nor a refusal. Nothing is sent then.
     template <class Wanted> [[nodiscard]] constexpr errc begin(const Wanted& wanted) {
         prepared_command next = planned(wanted);
-        return accept(next);
+        const errc refusal = accept(next);
+        if constexpr (changes_cached_settings<Wanted>) {
+            if (refusal == errc::ok) note_change();
+        }
+        return refusal;
     }
 
     /// Moves on without waiting: the command under way, the feedback that is due, the checks of the
     /// supervisors. Returns a time during which no further step is needed unless a byte arrives.
     constexpr duration step() {
         const instant now = line_->now();
-        if (machine_.pass(now, losses())) machine_.notify(*line_);
+        if (machine_.pass(now, *line_)) machine_.notify(*line_);
         if (!machine_.is_on_the_wire()) {
             const flight next = machine_.next(now, *line_);
             if (next != machine_.purpose()) {
@@ -109,9 +119,20 @@ template <class Model, class Line> class facade : public drive_view<Model, Line>
     ~facade() = default;
 
   private:
-    constexpr std::uint8_t losses() const { return line_->epoch(this->address()).losses; }
+    template <class Wanted>
+    static constexpr bool changes_cached_settings = [] {
+        if constexpr (requires { Wanted::changes_cached_settings; })
+            return Wanted::changes_cached_settings;
+        else
+            return false;
+    }();
+    // Another facade of the drive has stale settings from now on.
+    constexpr void note_change() {
+        line_->note_change(this->address());
+        machine_.note_own_change(*line_);
+    }
     // The cached settings, if they are still valid now.
-    constexpr const settings& valid_settings() { return machine_.valid_settings(line_->now(), losses()); }
+    constexpr const settings& valid_settings() { return machine_.valid_settings(line_->now(), *line_); }
     template <class Wanted> constexpr prepared_command planned(const Wanted& wanted) {
         prepared_command next = commands::prepared(wanted, valid_settings());
         if constexpr (requires { Wanted::needs_command_timeout; }) {

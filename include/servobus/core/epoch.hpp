@@ -15,12 +15,21 @@
 namespace servobus {
 
 /// `line::epoch(address)`: another value after each request to the node that left and got no valid response,
-/// after each exchange that was left without its end, and after each loss of the port. It wraps.
+/// after each exchange that was left without its end, after each loss of the port, and after each write by another
+/// client of a setting that a facade caches, of whichever node. It wraps.
 struct epoch {
+    /// So many losses stand for a write of a setting that a facade caches.
+    static constexpr std::uint8_t change = 4;
+
     std::uint16_t misses = 0;
-    std::uint8_t losses = 0; ///< of the port; a loss counts as a miss too
+    /// Losses of the port, each of which counts as a miss too, and writes of settings that a facade caches.
+    std::uint8_t losses = 0;
 
     friend constexpr bool operator==(const epoch&, const epoch&) = default;
+    /// True if the node cannot have restarted between the two: they differ by changes alone.
+    friend constexpr bool is_same_life(epoch a, epoch b) {
+        return a.misses == b.misses && ((a.losses ^ b.losses) & (change - 1u)) == 0;
+    }
 };
 
 /// A value that was read from a node, and the epoch in which that was.
@@ -28,8 +37,8 @@ template <class T> struct verified {
     T value{};
     epoch at{};
 
-    /// Nothing has happened since. If not, the value is to be read again before it is used.
-    constexpr bool holds(epoch now) const { return at == now; }
+    /// The node cannot have restarted since. If it can, the value is to be read again before it is used.
+    constexpr bool holds(epoch now) const { return is_same_life(at, now); }
 };
 
 } // namespace servobus

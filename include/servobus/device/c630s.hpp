@@ -22,5 +22,7 @@
 #include <servobus/device/c630s/moves.hpp>
 #include <servobus/device/c630s/parameters.hpp>
 #include <servobus/device/c630s/registers.hpp>
+#include <servobus/device/c630s/single_parameters.hpp>
 #include <servobus/device/c630s/terminals.hpp>
 #include <servobus/device/c630s/values.hpp>
+#include <servobus/device/c630s/wiring.hpp>

@@ -23,4 +23,6 @@
 #include <servobus/device/yako/homing.hpp>
 #include <servobus/device/yako/open_loop.hpp>
 #include <servobus/device/yako/parameters.hpp>
+#include <servobus/device/yako/single_parameters.hpp>
 #include <servobus/device/yako/values.hpp>
+#include <servobus/device/yako/wiring.hpp>

@@ -18,4 +18,6 @@
 #include <servobus/device/zlac8015d/drive.hpp>
 #include <servobus/device/zlac8015d/parameters.hpp>
 #include <servobus/device/zlac8015d/registers.hpp>
+#include <servobus/device/zlac8015d/single_parameters.hpp>
 #include <servobus/device/zlac8015d/values.hpp>
+#include <servobus/device/zlac8015d/wiring.hpp>

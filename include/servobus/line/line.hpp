@@ -82,6 +82,16 @@ class line {
             epochs_.count_miss(node_address);
     }
 
+    /// A setting of the node that a facade caches was written by another client. Address 0: of all nodes. The facade's
+    /// settings are stale from now on.
+    constexpr void note_change(std::uint8_t node_address) {
+        epochs_.count_change();
+        if (node_address == modbus::broadcast) epochs_.count_change(); // as two, which count for all nodes
+        changed_node_ = node_address;
+    }
+    /// The node of the last change.
+    constexpr std::uint8_t changed_node() const { return changed_node_; }
+
     /// Moves `x` on as far as possible without waiting; `x.done()` tells whether it has ended. Returns a time
     /// during which no further step is needed unless a byte arrives.
     /// An exchange is stepped on one line only. One exchange at a time has the line. Another one waits until it
@@ -479,7 +489,8 @@ class line {
     std::uint16_t taken_ = 0; // bytes of the request of the exchange that has the line, or `whole`
     other_requests others_{};
     detail::line_gap gap_;
-    detail::arbiter arbiter_;
+    [[no_unique_address]] detail::arbiter arbiter_;
+    std::uint8_t changed_node_ = 0; // in a byte that the arbiter leaves free
     Port* port_;
     duration (*bus_)(line&, exchange&, const bus_gaps&) = nullptr; // the bus's `step`
     modbus::rtu_timing timing_;

@@ -19,6 +19,7 @@ struct hand {
     drive_machine<zlac::model, modbus::exchange> drive{node<zlac::device>{1}, duration{}, no_command_timeout};
     instant now{1000};
     servobus::epoch in{};
+    std::uint8_t changed = 0; // the node whose settings another client has written last
     modbus::rtu_timing at_115200 = modbus::timing_at(115200);
     std::uint16_t first_written = 0; // register
     unsigned writes = 0;
@@ -26,8 +27,9 @@ struct hand {
     unsigned announced = 0;
     unsigned abandoned = 0;
 
-    // The four calls that a machine makes on its line.
+    // The five calls that a machine makes on its line.
     constexpr servobus::epoch epoch(std::uint8_t) const { return in; }
+    constexpr std::uint8_t changed_node() const { return changed; }
     constexpr const modbus::rtu_timing& timing() const { return at_115200; }
     constexpr void abandon(modbus::exchange& x) {
         x.abort(errc::busy, false);
@@ -36,14 +38,14 @@ struct hand {
     constexpr void announce_stop() { ++announced; }
 
     template <class Wanted> constexpr errc begin(const Wanted& wanted) {
-        auto next = commands::prepared(wanted, drive.valid_settings(now, in.losses));
+        auto next = commands::prepared(wanted, drive.valid_settings(now, *this));
         const errc refusal = drive.accept(next, now);
         drive.notify(*this);
         return refusal;
     }
     // Loads the frame that is due. False if there is none.
     constexpr bool load() {
-        if (drive.pass(now, in.losses)) drive.notify(*this);
+        if (drive.pass(now, *this)) drive.notify(*this);
         const flight next = drive.next(now, *this);
         if (next != drive.purpose()) drive.load(next, now, *this);
         return next != flight::none;
@@ -129,12 +131,32 @@ constexpr bool a_lost_port_ends_it() {
     if (h.begin(zlac::read_feedback{}) != errc::needs_init) return false;
     if (h.begin(zlac::init{}) != errc::ok || !h.load()) return false;
     ++h.in.losses;
-    if (!h.drive.pass(h.now, h.in.losses)) return false;
+    h.in.misses += 0x100; // a miss of all nodes
+    if (!h.drive.pass(h.now, h)) return false;
     h.drive.notify(h);
     return h.drive.slot().is_idle() && h.drive.slot().report().error() == errc::port_lost &&
            h.abandoned == 1 && h.drive.next(h.now, h) == flight::none;
 }
 static_assert(a_lost_port_ends_it());
+
+// How a take-over has ended after another client's writes, the last one of node `changed`.
+constexpr errc after_changes(unsigned changes, std::uint8_t changed, unsigned losses = 0) {
+    hand h;
+    if (h.begin(zlac::init{}) != errc::ok || !h.load()) return errc::bad_argument;
+    h.in.losses = static_cast<std::uint8_t>(h.in.losses + changes * epoch::change + losses);
+    h.changed = changed;
+    const bool has_ended = h.drive.pass(h.now, h);
+    h.drive.notify(h);
+    if (has_ended != h.drive.slot().is_idle()) return errc::bad_argument;
+    return has_ended ? h.drive.slot().report().error() : errc::ok;
+}
+static_assert(after_changes(0, 0) == errc::ok);
+static_assert(after_changes(1, 1) == errc::needs_init); // of this drive
+static_assert(after_changes(2, 0) == errc::needs_init); // of all drives
+static_assert(after_changes(1, 2) == errc::ok);         // of another one
+static_assert(after_changes(2, 2) == errc::needs_init); // which the first was of is not known
+static_assert(after_changes(0, 2, 1) == errc::port_lost);
+static_assert(after_changes(1, 2, 2) == errc::port_lost);
 
 TEST_CASE("G19: a drive's machine is moved by hand, without a line") {
     hand h;

@@ -348,7 +348,7 @@ TEST_CASE("S6: commands with 32-bit values are refused while the word order is u
     CHECK(segment{1, 1 * reference_unit, 1 * r_per_min}.plan(known).refusal == errc::needs_word_order);
     CHECK(plan(read_feedback{}, known).refusal == errc::needs_word_order);
     CHECK(read_wide_position{wide_position::load}.plan(known).refusal == errc::needs_word_order);
-    CHECK(set<home_offset>{1}.plan(known).refusal == errc::needs_word_order);
+    CHECK(plan(set<home_offset>{1}, known).refusal == errc::needs_word_order);
 }
 
 // Disabled and stopped drives

@@ -235,9 +235,9 @@ TEST_CASE("C630S: any parameter, set or kept") {
     for (unsigned i = 0; i < rounds; ++i) {
         b.draw_off();
         const std::int32_t v = b.pick.value({0, 1, 6000, 65'535});
-        const rule speeds = rule::range(0x0603, v, -6000, 6000);
-        b.of.judge(set<target_speed>{checked(raw(v))}, b.known, speeds);
-        b.of.judge(keep<target_speed>{checked(raw(v))}, b.known, speeds);
+        const rule speeds = rule::range(0x1214, v, -6000, 6000);
+        b.of.judge(set<servobus::at<speed_segment_speeds, 0>>{checked(raw(v))}, b.known, speeds);
+        b.of.judge(keep<servobus::at<speed_segment_speeds, 0>>{checked(raw(v))}, b.known, speeds);
         const std::int32_t w = b.pick.value({-1'073'741'824, 0, 1'073'741'824});
         const rule offset = rule::range(0x0524, w, -1'073'741'824.0L, 1'073'741'824.0L);
         b.of.judge(set<home_offset>{checked(raw(w))}, b.known, offset);

@@ -13,6 +13,8 @@
 #include <servobus/client/node.hpp>
 #include <servobus/client/ram_only.hpp>
 #include <servobus/line/line.hpp>
+#include <servobus/registers/cached_registers.hpp>
+#include <servobus/registers/reg.hpp>
 
 namespace servobus::detail {
 
@@ -135,6 +137,37 @@ template <class Line, device_class Device, class Node> class node_link {
         }
     }
 
+    /// True if a facade of the device caches settings. On a `blocking_line` there is none.
+    static constexpr bool may_have_facade = !Line::is_small && has_cached_registers<Device>;
+    /// True if a write of these registers makes the settings of a facade stale.
+    static constexpr bool is_cached([[maybe_unused]] u16 address, [[maybe_unused]] std::size_t words) {
+        if constexpr (may_have_facade)
+            return is_cached_by_facade<Device>(address, words);
+        else
+            return false;
+    }
+    template <const auto&... Rs>
+    static constexpr bool are_cached = (is_cached(Rs.address, row_type<Rs>::words) || ...);
+    template <const auto& Rows>
+    static constexpr bool has_cached_element =
+        is_cached(Rows.first.address,
+                  static_cast<std::size_t>((row_type<Rows>::size - 1) * Rows.stride) + row_type<Rows>::words);
+    /// Returns how a write of such registers has ended.
+    template <bool IsBroadcast = false> constexpr status changed(status how) {
+        if (how.was_sent()) note_change<IsBroadcast>();
+        return how;
+    }
+    template <bool IsBroadcast = false> constexpr void note_change() {
+        line_->note_change(IsBroadcast ? modbus::broadcast : node_.address);
+    }
+    /// As `changed`, for registers that are known at run time.
+    constexpr status written([[maybe_unused]] u16 address, [[maybe_unused]] std::size_t words, status how) {
+        if constexpr (may_have_facade) {
+            if (is_cached(address, words)) return changed(how);
+        }
+        return how;
+    }
+
     // A frame of function 10h around its words.
     static constexpr void complete_block(std::uint8_t node_address, byte_buffer frame, u16 address) {
         const std::size_t payload = frame.size() - 9;
@@ -172,7 +205,7 @@ template <class Line, device_class Device, class Node> class node_link {
     constexpr void drop_stale_word_order() {
         if constexpr (loses_word_order) {
             const epoch now = line_->epoch(node_.address);
-            if (learned_.at == now) return;
+            if (is_same_life(learned_.at, now)) return;
             learned_.at = now;
             node_.word_order = learned_.stated;
         }

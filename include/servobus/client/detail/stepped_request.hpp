@@ -24,6 +24,10 @@ enum class call_of : std::uint8_t {
     both,   ///< function 17h
 };
 
+/// True while a write of a register that a facade caches is still to be noted. Empty for writes of other registers.
+template <bool IsCached> struct change_note { bool is_due = false; };
+template <> struct change_note<false> {};
+
 /// One call at a time: requests of one node, stepped to their end. `Link` is what the client knows of its node. The
 /// derived call has the memory of the frame, the same for request and response: `read_room` or `write_room` bytes.
 template <class Link> class stepped_request {
@@ -148,6 +152,31 @@ template <class Link> class stepped_request {
             return std::as_const(*link_).node().word_order;
     }
 
+    template <bool IsCached> static constexpr change_note<IsCached> change_of([[maybe_unused]] bool is_due) {
+        if constexpr (IsCached)
+            return {is_due};
+        else
+            return {};
+    }
+    /// As `move_on`, of a write.
+    template <call_of What = call_of::registers, class Change>
+    constexpr duration move_on_and_note(std::uint8_t* frame, [[maybe_unused]] Change& change) {
+        const duration idle = move_on<What>(frame);
+        note(change);
+        return idle;
+    }
+    /// Notes once, as soon as the write has begun to leave, that it makes the settings of a facade stale.
+    constexpr void note(change_note<false>) const {}
+    constexpr void note(change_note<true>& change) {
+        const stage now = machine_.now();
+        const bool is_writing = now == stage::writing || now == stage::transacting;
+        const bool has_left = done()       ? status_.was_sent()
+                              : is_writing ? exchange_.was_sent()
+                                           : now == stage::checking;
+        if (!change.is_due || !has_left) return;
+        change.is_due = false;
+        link_->note_change();
+    }
     /// Sets the facts that a request of function 17h needs until it leaves.
     constexpr void set_condition(const condition& on) { condition_ = on; }
 

@@ -124,7 +124,11 @@ template <class Line, device_class Device, class Node> struct table_calls<client
 
     template <const auto& R, u16 Mask> static constexpr status change_bits(own& of, u16 value) {
         check_mask<Device, R, Mask>();
-        return write_masked(of, R.address, static_cast<u16>(~Mask), static_cast<u16>(value & Mask));
+        const auto kept = static_cast<u16>(~Mask);
+        if constexpr (own::link_type::template are_cached<R>)
+            return of.changed(write_masked(of, R.address, kept, static_cast<u16>(value & Mask)));
+        else
+            return write_masked(of, R.address, kept, static_cast<u16>(value & Mask));
     }
     template <class Reads, const auto&... Ws>
     static constexpr auto write_then_read(own& of, const register_value<Ws>&... values) {
@@ -137,7 +141,10 @@ template <class Line, device_class Device, class Node> struct table_calls<client
         const word_order order = plan::has_pairs ? of.current_word_order() : word_order::high_first;
         if (order == word_order::unknown) why = errc::needs_word_order;
         if (const errc wrong = plan::put(request, order, values...); wrong != errc::ok) why = wrong;
-        if (why.error() == errc::ok) why = write_and_read(of, request, plan::extents, response);
+        if (why.error() == errc::ok) {
+            why = write_and_read(of, request, plan::extents, response);
+            if constexpr (own::link_type::template are_cached<Ws...>) (void)of.changed(why);
+        }
         if constexpr (plan::has_echo_like_response) {
             if (why.error() == errc::ok && !of.line_->is_echo_ruled_out() && same_bytes(response, request))
                 why = status::sent(errc::own_echo);

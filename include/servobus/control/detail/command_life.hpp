@@ -37,8 +37,8 @@ template <class Model, class Exchange> class command_life {
         return known_.is_known() && known_.link().holds(now, losses);
     }
     /// The cached settings, if they are still valid now.
-    constexpr const settings& valid_settings(instant now, std::uint8_t losses) {
-        (void)check_link(now, losses);
+    template <class Line> constexpr const settings& valid_settings(instant now, const Line& on) {
+        (void)check_link(now, on);
         if (known_.link().is_expired()) known_.invalidate();
         return known_.cached();
     }
@@ -72,8 +72,8 @@ template <class Model, class Exchange> class command_life {
         return refusal;
     }
     /// Time passes: the link is checked, and a supervisor may begin a stop. True if a command has ended or begun.
-    constexpr bool pass(instant now, std::uint8_t losses) {
-        const bool has_ended = check_link(now, losses);
+    template <class Line> constexpr bool pass(instant now, const Line& on) {
+        const bool has_ended = check_link(now, on);
         return supervise(now) || has_ended;
     }
     /// Ends the command under way with an error. The exchange may be dropped.
@@ -83,6 +83,11 @@ template <class Model, class Exchange> class command_life {
         frame_.drop();
         slot_.run().end(why, was_written);
         settle(now);
+    }
+
+    /// The line was told of a change of settings that this machine's own command makes.
+    template <class Line> constexpr void note_own_change(const Line& on) {
+        known_.link().skip_change(on.epoch(address()).losses);
     }
 
     constexpr void note_command(instant now) { slot_.supervisors().note_command(now); }
@@ -230,16 +235,17 @@ template <class Model, class Exchange> class command_life {
         if (slot_.is_setting_origin()) known_.note_origin();
     }
     // True if a command has ended.
-    [[gnu::always_inline]] constexpr bool check_link(instant now, std::uint8_t losses) {
-        return !known_.link().holds(now, losses) && fail_link(now, losses);
+    template <class Line> [[gnu::always_inline]] constexpr bool check_link(instant now, const Line& on) {
+        return !known_.link().holds(now, on.epoch(address()).losses) && fail_link(now, on);
     }
-    // A lost port makes the settings invalid, and so does the drive's watchdog when its time has passed. A request
-    // without a response makes the witness due.
-    [[gnu::noinline]] constexpr bool fail_link(instant now, std::uint8_t losses) {
+    // A lost port makes the settings invalid, and so do another client that writes one of them, and the drive's watchdog
+    // when its time has passed. A request without a response makes the witness due.
+    template <class Line> [[gnu::noinline]] constexpr bool fail_link(instant now, const Line& on) {
         auto& link = known_.link();
-        const bool is_lost = link.take_loss(losses);
+        const errc why = link.take_loss(on.epoch(address()).losses, on.changed_node(), address());
+        const bool is_lost = why != errc::ok;
         if (is_lost) {
-            if (!slot_.is_stopping()) give_up(errc::port_lost, now);
+            if (!slot_.is_stopping()) give_up(why, now);
             known_.invalidate();
         }
         if (!link.is_expired()) {

@@ -11,6 +11,7 @@
 
 #include <servobus/control/supervision.hpp>
 #include <servobus/core/epoch.hpp>
+#include <servobus/core/status.hpp>
 #include <servobus/core/time.hpp>
 
 namespace servobus::detail {
@@ -32,12 +33,19 @@ template <bool HasWatchdog> class drive_link {
     constexpr bool holds(instant now, std::uint8_t losses) const {
         return losses_ == losses && !is_expired() && !is_overdue(now);
     }
-    /// True once after each loss of the port.
-    constexpr bool take_loss(std::uint8_t losses) {
-        if (losses_ == losses) return false;
+    /// The settings are stale: `port_lost` once after each loss of the port, `needs_init` once after another client has
+    /// written one of them. Several such writes between two calls count for all nodes of the line, since `changed_node` is
+    /// that of the last one.
+    constexpr errc take_loss(std::uint8_t losses, std::uint8_t changed_node, std::uint8_t address) {
+        const auto more = static_cast<std::uint8_t>(losses - losses_);
         losses_ = losses;
-        return true;
+        errc why = more == 0 ? errc::ok : errc::needs_init; // in this order: less code on a small core
+        if (more == epoch::change && changed_node != address) why = errc::ok;
+        if (more % epoch::change != 0) why = errc::port_lost;
+        return why;
     }
+    /// The last change of settings was the own one.
+    constexpr void skip_change(std::uint8_t losses) { losses_ = losses; }
     constexpr void expire() { is_expired_ = true; }
     /// A request that began to leave at `began` got a response.
     constexpr void note_response(instant began, instant now) {
@@ -56,17 +64,13 @@ template <bool HasWatchdog> class drive_link {
         return !is_verified(at) || since(checked_, now) > witness_period;
     }
     /// No request without a response since the last check.
-    constexpr bool is_verified(epoch at) const { return !is_check_required_ && epoch_ == at; }
+    constexpr bool is_verified(epoch at) const { return !is_check_required_ && misses_ == at.misses; }
     /// Notes in which epoch a frame is loaded.
-    constexpr void ask(const epoch& at) {
-        asked_.misses = at.misses; // as a whole by memcpy
-        asked_.losses = at.losses;
-    }
+    constexpr void ask(epoch at) { asked_ = at.misses; }
     constexpr void end_check() { is_check_required_ = false; }
     /// The witness was unchanged, or a command has set the drive up: the settings are verified.
     constexpr void verify(instant now) {
-        epoch_.misses = asked_.misses;
-        epoch_.losses = asked_.losses;
+        misses_ = asked_;
         checked_ = now;
         is_check_required_ = false;
     }
@@ -79,8 +83,8 @@ template <bool HasWatchdog> class drive_link {
     duration watchdog_; // it goes on when the settings are invalid
     instant heard_{};   // when the last request that got a response began to leave
     instant checked_{};
-    epoch epoch_{}; // in which the settings were verified
-    epoch asked_{}; // when the frame in flight was loaded
+    std::uint16_t misses_ = 0; // of the epoch in which the settings were verified
+    std::uint16_t asked_ = 0;  // and of that in which the frame in flight was loaded
 };
 
 } // namespace servobus::detail

@@ -17,6 +17,7 @@
 #include <servobus/device/c630s/commands.hpp>
 #include <servobus/device/c630s/moves.hpp>
 #include <servobus/device/c630s/parameters.hpp>
+#include <servobus/device/c630s/single_parameters.hpp>
 
 namespace servobus::c630s {
 

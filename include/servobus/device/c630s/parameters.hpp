@@ -1,18 +1,15 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Coolmay C630S: the commands that set it up: ramps and limits, gear, speed segments, any other parameter
-// with or without the EEPROM, encoder and factory resets, address and line. servobus/device/c630s.hpp
-// includes it. Source: manual V24.111, chapters 5 to 9.
+// Coolmay C630S: the commands that set it up: ramps and limits, gear, speed segments, encoder and factory resets, address
+// and line; any other parameter is in single_parameters.hpp. servobus/device/c630s.hpp includes it. Source: manual
+// V24.111, chapters 5 to 9.
 //
 //     if (!servo.run(c630s::ramps{500 * millisecond, 800 * millisecond})) return 1; // until the power goes
-//     const routine_status kept = servo.run(c630s::keep<c630s::di1_function>{c630s::input_function::home_switch});
-//     if (kept.error() == errc::already_assigned)
-//         std::printf("the register %04Xh has it\n", unsigned{servo.conflicting_terminal()});
+//     if (!servo.run(c630s::top_speeds{3000 * r_per_min, 3000 * r_per_min, 500 * r_per_min})) return 1;
 #pragma once
 
 #include <cstdint>
-#include <type_traits>
 
 #include <servobus/device/c630s/prepared_command.hpp>
 
@@ -128,110 +125,6 @@ struct segment_ramp_times {
         o.refusal = detail::first_error(detail::needs_servo_off(cached), o.refusal, wrong);
         o.shift = static_cast<std::uint16_t>(2 * (number - 1));
         return o;
-    }
-};
-
-// Any parameter
-
-namespace detail {
-template <const auto& R>
-inline constexpr effect effect_of =
-    servobus::row_type<R>::words == 2 ? effect::pair_set : effect::parameter_set;
-
-/// `set` and `keep` refuse what the facade sets itself, and what acts immediately.
-template <const auto& R> constexpr bool is_plain_parameter() {
-    const unsigned group = R.address >> 8;
-    const bool is_facade_s =
-        group == 0x17 || group >= 0x30 || R.address == mode_of_operation.address ||
-        R.address == virtual_inputs_enable.address || R.address == virtual_outputs_enable.address ||
-        R.address == virtual_inputs_at_power_on.address || R.address == power_on_functions_1_to_16.address;
-    return has(R.flags, flag::saved_on_write) && !has(R.flags, flag::trigger) &&
-           !has(R.flags, flag::communication) && !is_facade_s;
-}
-
-/// A wired servo-on input would energise the motor without a command of this facade.
-template <const auto& R> constexpr errc leaves_servo_on_alone(u32 bits) {
-    using type = typename servobus::row_type<R>::value_type;
-    if constexpr (std::is_same_v<type, input_function>) {
-        return bits == static_cast<u32>(input_function::servo_on) ? errc::out_of_range : errc::ok;
-    } else {
-        return errc::ok;
-    }
-}
-
-/// A terminal gets a function: first the others are read that may have it. Arguments of the looks: the
-/// function, its register, and whether it is kept.
-constexpr prepared_command look_for_rivals(const prepared_command& put, std::uint16_t address, bool is_kept) {
-    const terminal_kind kind = terminal_kind_of(address);
-    if ((kind != terminal_kind::input && kind != terminal_kind::output) || put.arguments[0] == 0) return put;
-    prepared_command o = put;
-    o.steps = routines::look_at_block;
-    o.arguments = {put.arguments[0], address, static_cast<std::uint16_t>(is_kept)};
-    o.then = effect::rivals_seen;
-    o.shift = as_word(first_rivals(address) - routines::first_of_blocks);
-    return o;
-}
-template <const auto& R>
-constexpr prepared_command put(routine one, routine two, const register_value<R>& value, errc state,
-                               const cached_settings& cached) {
-    static_assert(is_plain_parameter<R>(), "this register has an order of its own");
-    constexpr bool is_pair = servobus::row_type<R>::words == 2;
-    constexpr std::uint16_t base = is_pair ? home_offset.address : target_speed.address;
-    prepared_command o{.steps = is_pair ? two : one,
-                       .arguments = {as_word(value.bits()), 0, 0, 0, 0, word_order_value(cached)},
-                       .refusal = first_error(state, is_pair ? needs_word_order(cached) : errc::ok,
-                                              value.error(), leaves_servo_on_alone<R>(value.bits())),
-                       .shift = static_cast<std::uint16_t>(R.address - base)};
-    if constexpr (is_pair) {
-        const word_pair words = split_words(value.bits(), cached.word_order);
-        o.arguments[0] = words.first;
-        o.arguments[1] = words.second;
-    }
-    return o;
-}
-} // namespace detail
-
-/// Sets a parameter until the power goes, and reads it back:
-/// `run(set<positioning_completed_threshold>{500})`. One that is taken only while the servo is off is refused
-/// otherwise; one that counts from the next power-on does not compile: `keep` it.
-///
-/// A terminal's function, such as `di1_function`, is first compared with those of the other terminals: no two
-/// inputs, wired or virtual, and no two wired outputs may have one (Er.130; sections 6.4.1 and 6.4.2).
-/// Error: `already_assigned` if another terminal has it; nothing is written then, and
-/// `drive::conflicting_terminal()` is the address of the register that holds it. Give that terminal another
-/// function first, or none.
-template <const auto& R> struct set {
-    register_value<R> value;
-
-    constexpr prepared_command plan(const cached_settings& cached) const {
-        static_assert(!has(R.flags, flag::after_power_cycle), "this register counts from the next power-on");
-        constexpr bool moves = has(R.flags, flag::motion) || has(R.flags, flag::when_stopped);
-        const errc state = moves ? detail::needs_servo_off(cached) : detail::needs_init_done(cached);
-        prepared_command o = detail::put<R>(routines::set_one, routines::set_two, value, state, cached);
-        o.then = detail::effect_of<R>;
-        return detail::look_for_rivals(o, R.address, false);
-    }
-};
-
-/// Sets a parameter for good, with the servo off: P0C-13 = 1, write, read back, P0C-13 = 0. It wears the
-/// EEPROM by three writes or so: for set-up. Where it counts from the next power-on, the state is
-/// `needs_power_cycle`. A terminal's function is compared with the others as `set` does it, so that the
-/// restart does not end in Er.130:
-///
-///     routine_status got = servo.run(keep<di1_function>{input_function::home_switch});
-///     if (got.error() == errc::already_assigned) ... // servo.conflicting_terminal() == "P03-14"_p: DI7
-///
-/// Error: `already_assigned`.
-template <const auto& R> struct keep {
-    register_value<R> value;
-
-    constexpr prepared_command plan(const cached_settings& cached) const {
-        constexpr bool is_later = has(R.flags, flag::after_power_cycle);
-        const routine one = is_later ? routine{routines::keep_one_for_later} : routine{routines::keep_one};
-        const routine two = is_later ? routine{routines::keep_two_for_later} : routine{routines::keep_two};
-        prepared_command o = detail::put<R>(one, two, value, detail::needs_servo_off(cached), cached);
-        o.then = is_later ? effect::needs_power_cycle : detail::effect_of<R>;
-        return detail::look_for_rivals(o, R.address, true);
     }
 };
 

@@ -15,6 +15,7 @@
 #include <servobus/control/why.hpp>
 #include <servobus/device/yako/hold.hpp>
 #include <servobus/device/yako/parameters.hpp>
+#include <servobus/device/yako/single_parameters.hpp>
 
 namespace servobus::yako {
 
@@ -181,6 +182,25 @@ constexpr auto arguments(const set_baud_rate& c, const cached_settings&) {
 }
 constexpr auto arguments(const set_serial_format& c, const cached_settings&) {
     return argument_list{commands::argument<rs485_format>(c.to)};
+}
+
+// Single parameters
+
+template <const auto& R> constexpr auto arguments(const set<R>& c, const cached_settings&) {
+    return argument_list{commands::argument(c.value)};
+}
+constexpr auto arguments(const set_microsteps& c, const cached_settings&) {
+    return argument_list{commands::argument(c.pulses)};
+}
+constexpr auto arguments(const set_direction& c, const cached_settings&) {
+    return argument_list{commands::argument<motion_direction>(c.to)};
+}
+constexpr auto arguments(const set_current_loop& c, const cached_settings&) {
+    return argument_list{commands::argument(c.kp_multiplier), commands::argument(c.kp),
+                         commands::argument(c.ki), commands::argument(c.kc)};
+}
+constexpr auto arguments(const closed_loop::set_collision_homing& c, const cached_settings&) {
+    return argument_list{commands::argument(c.threshold), commands::argument(c.most)};
 }
 
 } // namespace servobus::yako

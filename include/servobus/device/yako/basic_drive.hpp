@@ -118,7 +118,7 @@ class basic_drive : public facade<Model, Line> {
     }
     template <class Wanted> static constexpr void check_variant() {
         if constexpr (requires { typename Wanted::device; }) {
-            static_assert(std::is_same_v<typename Wanted::device, Device>,
+            static_assert(belongs_to<typename Wanted::device, Device>,
                           "this command belongs to the other variant of the drive");
         }
     }

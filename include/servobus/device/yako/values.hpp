@@ -14,6 +14,7 @@
 
 #include <cstdint>
 
+#include <servobus/registers/cached_registers.hpp>
 #include <servobus/registers/line_choices.hpp>
 #include <servobus/registers/profile.hpp>
 #include <servobus/registers/wire.hpp>
@@ -45,6 +46,11 @@ struct device {
                                    .format = character_format::n81,
                                    .limits = {.corrupted_request = 1, .acknowledge = 0}, // [errata A3, A4]
                                    .exceptions = exceptions};
+    /// Lists what the facade relies on: direction and microsteps, limits, word order and resolution, the profile of moves, the
+    /// two command registers, the homing speeds, the marker.
+    static constexpr address_range cached_by_facade[] = {{0x0010, 0x0011}, {0x0018, 0x001A}, {0x0020, 0x0023},
+                                                         {0x0027, 0x0027}, {0x002D, 0x002D}, {0x0032, 0x0033},
+                                                         {0x00BA, 0x00BB}};
     /// 0014h and 0015h, from the next power-on; saved first, since it is not stated what is lost else [errata A53].
     static constexpr rate_choice rates[] = {{115'200, 0}, {38'400, 1}, {19'200, 2}, {9'600, 3}};
     static constexpr format_choice formats[] = {{character_format::n81, 0},

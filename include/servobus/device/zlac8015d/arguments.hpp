@@ -15,6 +15,7 @@
 #include <servobus/control/why.hpp>
 #include <servobus/device/zlac8015d/commands.hpp>
 #include <servobus/device/zlac8015d/parameters.hpp>
+#include <servobus/device/zlac8015d/single_parameters.hpp>
 
 namespace servobus::zlac8015d {
 
@@ -137,6 +138,15 @@ constexpr auto arguments(const watchdog& c, const cached_settings&) {
 }
 constexpr auto arguments(const resolution& c, const cached_settings&) {
     return argument_list{commands::argument<speed_resolution>(c.n)};
+}
+template <const auto& R> constexpr auto arguments(const set<R>& c, const cached_settings&) {
+    return argument_list{commands::argument(c.value)};
+}
+/// A rated current above the maximum is refused by `bad_argument`.
+constexpr auto arguments(const current_limits& c, const cached_settings&) {
+    const command_argument most = commands::argument<left_max_current>(c.most);
+    return argument_list{commands::argument<left_rated_current>(c.rated), most,
+                         most.refused_as(errc::bad_argument).only_if(c.rated.count() <= c.most.count())};
 }
 
 } // namespace servobus::zlac8015d

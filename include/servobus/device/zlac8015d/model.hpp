@@ -50,7 +50,7 @@ class model {
         command_kinds<effect>{}
             .of(command_kind::take_over, effect::initialised)
             .of(command_kind::power, effect::enabled, effect::disabled, effect::quick_stopped)
-            .of(command_kind::setting, effect::timeout_set, effect::resolution_set, effect::forgotten)
+            .of(command_kind::setting, effect::timeout_set, effect::speeds_set, effect::forgotten)
             .of(command_kind::move, effect::moved)
             .of(command_kind::endless_motion, effect::motion)
             .of(command_kind::refresh, effect::seen)
@@ -170,7 +170,10 @@ class model {
             if (is_known) known.state = drive_state::quick_stopped;
             break;
         case effect::timeout_set: known.host_timeout = c.arguments[0]; break;
-        case effect::resolution_set: known.resolution = c.arguments[0]; break;
+        case effect::speeds_set:
+            known.resolution = c.arguments[0];
+            known.max_speed = c.arguments[1];
+            break;
         case effect::forgotten: known.state = drive_state::needs_init; break;
         case effect::positions_compared: motion_ = compared(words); break;
         case effect::positions_cleared: goals_ = 0; break;

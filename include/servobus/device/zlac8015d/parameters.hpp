@@ -169,8 +169,8 @@ struct resolution {
     constexpr prepared_command plan(const cached_settings& cached) const {
         const errc wrong = speed_resolution.limits.contains(n) ? errc::ok : errc::out_of_range;
         return {.steps = routines::set_resolution,
-                .arguments = {n},
-                .then = effect::resolution_set,
+                .arguments = {n, cached.max_speed},
+                .then = effect::speeds_set,
                 .refusal = detail::first_error(detail::needs_disabled(cached), wrong)};
     }
 };

@@ -52,7 +52,7 @@ enum class effect : std::uint8_t {
     moved,
     motion, ///< a target was set: counts as a command of the application
     timeout_set,
-    resolution_set,
+    speeds_set, ///< the arguments are resolution and top speed
     forgotten,
     seen, ///< feedback was read
     positions_compared,

@@ -13,6 +13,7 @@
 
 #include <cstdint>
 
+#include <servobus/registers/cached_registers.hpp>
 #include <servobus/registers/line_choices.hpp>
 #include <servobus/registers/profile.hpp>
 #include <servobus/registers/wire.hpp>
@@ -32,6 +33,11 @@ struct device {
                                    .baud = 115200,
                                    .format = character_format::n81,
                                    .exceptions = exceptions};
+    /// Lists what the facade relies on: watchdog, positions cleared, top speed and factory settings, mode, control word and
+    /// synchronisation, resolution, encoder lines.
+    static constexpr address_range cached_by_facade[] = {{0x2000, 0x2000}, {0x2005, 0x2006}, {0x2008, 0x2009},
+                                                         {0x200D, 0x200F}, {0x2022, 0x2022}, {0x2030, 0x2030},
+                                                         {0x2060, 0x2060}};
     /// 2002h. It has no register for the format. When a code takes effect is not stated.
     static constexpr rate_choice rates[] = {{128'000, 1}, {115'200, 2}, {57'600, 3},
                                             {38'400, 4},  {19'200, 5},  {9'600, 6}};

@@ -1,7 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// What a line counts for `epoch`: requests without a valid response, and losses of its port.
+// What a line counts for `epoch`: requests without a valid response, losses of its port, and writes of settings that a
+// facade caches.
 #pragma once
 
 #include <cstddef>
@@ -29,6 +30,8 @@ template <std::size_t Counters> class epoch_counters {
         ++losses_;
         count_miss_of_all();
     }
+    // It counts as `epoch::change` losses, by which a facade tells the two. No miss: what clients have learned of a node holds.
+    constexpr void count_change() { losses_ = static_cast<std::uint8_t>(losses_ + epoch::change); }
 
   private:
     std::uint8_t losses_ = 0;

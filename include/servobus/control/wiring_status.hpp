@@ -1,0 +1,116 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// How the wiring of a drive's terminals ended, and at which terminal. The `wiring.hpp` of a device includes it.
+//
+//     const wiring_status got = wheels.run(zlac8015d::wire_inputs{.x0 = zlac8015d::input_function::undefined});
+//     if (!got) std::printf("%s, at %04Xh\n", text(got.error()), unsigned{got.terminal()});
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include <servobus/control/routine_status.hpp>
+#include <servobus/core/slice.hpp>
+
+namespace servobus {
+
+/// How a wiring ended. `unknown`: some terminals have their functions, and others perhaps not.
+class [[nodiscard]] wiring_status {
+  public:
+    constexpr wiring_status() = default;
+    constexpr wiring_status(const routine_status& how, std::uint16_t terminal = 0) // NOLINT: implicit
+        : how_{how}, terminal_{terminal} {}
+
+    constexpr explicit operator bool() const { return static_cast<bool>(how_); }
+    constexpr errc error() const { return how_.error(); }
+    constexpr servobus::outcome outcome() const { return how_.outcome(); }
+    constexpr const routine_status& status() const { return how_; }
+    /// The address of the register of the terminal at which it ended: the one that has the function already, or that was
+    /// to get it. 0: at none.
+    constexpr std::uint16_t terminal() const { return terminal_; }
+
+  private:
+    routine_status how_{};
+    std::uint16_t terminal_ = 0;
+};
+
+/// A function for a terminal. Made of nothing, the terminal keeps its own.
+template <class Function> class wired {
+  public:
+    constexpr wired() = default;
+    constexpr wired(Function does)
+        : word_{static_cast<std::uint16_t>(does)} {} // NOLINT: `.di1 = home_switch`
+    constexpr std::uint16_t word() const { return word_; }
+
+    static constexpr std::uint16_t as_it_is = 0xFFFF;
+
+  private:
+    std::uint16_t word_ = as_it_is;
+};
+
+namespace commands {
+
+/// Decides which terminals are freed and which are assigned. Function 0 is none.
+class wiring {
+  public:
+    static constexpr std::size_t most = 8;
+    static constexpr std::size_t nowhere = most;
+
+    constexpr explicit wiring(slice<const std::uint16_t> wanted) : size_{wanted.size()} {
+        for (std::size_t i = 0; i < size_; ++i) wanted_[i] = wanted[i];
+    }
+    constexpr std::size_t size() const { return size_; }
+    constexpr bool is_named(std::size_t i) const { return wanted_[i] != wired<std::uint16_t>::as_it_is; }
+    constexpr std::uint16_t wanted(std::size_t i) const { return wanted_[i]; }
+    /// The terminal that is to get this function; `nowhere` if none is.
+    constexpr std::size_t place_of(std::uint16_t function) const {
+        for (std::size_t i = 0; function != 0 && i < size_; ++i) {
+            if (wanted_[i] == function) return i;
+        }
+        return nowhere;
+    }
+    /// The first terminal that is to get the function of one before it; `nowhere` if none is.
+    constexpr std::size_t twice() const {
+        for (std::size_t i = 0; i < size_; ++i) {
+            if (is_named(i) && wanted_[i] != 0 && place_of(wanted_[i]) != i) return i;
+        }
+        return nowhere;
+    }
+
+    constexpr void hold(std::size_t i, std::uint16_t function) { held_[i] = function; }
+    /// True if another terminal is to get the function of this one, or this one is to have none.
+    constexpr bool is_freed(std::size_t i) const {
+        const std::size_t to = place_of(held_[i]);
+        return held_[i] != 0 && ((to != nowhere && to != i) || wanted_[i] == 0);
+    }
+    /// True if the terminal is to have a function that it does not have.
+    constexpr bool is_assigned(std::size_t i) const {
+        return is_named(i) && wanted_[i] != 0 && wanted_[i] != held_[i];
+    }
+    constexpr bool is_as_wanted() const {
+        for (std::size_t i = 0; i < size_; ++i) {
+            if (is_freed(i) || is_assigned(i)) return false;
+        }
+        return true;
+    }
+    /// Calls `put(i, function)` for each terminal that is freed, then for each that is assigned, until one fails.
+    template <class Put> constexpr routine_status each(Put&& put) const {
+        for (const bool assigns : {false, true}) {
+            for (std::size_t i = 0; i < size_; ++i) {
+                if (assigns ? !is_assigned(i) : !is_freed(i)) continue;
+                const routine_status how = put(i, assigns ? wanted_[i] : std::uint16_t{0});
+                if (!how) return how;
+            }
+        }
+        return {};
+    }
+
+  private:
+    std::size_t size_;
+    std::uint16_t wanted_[most]{};
+    std::uint16_t held_[most]{};
+};
+
+} // namespace commands
+} // namespace servobus
