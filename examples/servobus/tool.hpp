@@ -186,7 +186,8 @@ struct device_word {
 device_word split_device(std::string_view text);
 
 /// Returns `done` with `--yes`, or once a person has typed `verb`; else complains by itself.
-int ask_consent(const arguments& asked, const std::string& verb);
+int ask_consent(const arguments& asked, const std::string& verb, const char* to_do = "write",
+                const char* refusal = "not confirmed, nothing was written");
 
 // The commands, one a file of commands/. Their options are those of their rows in commands.cpp.
 int map(const arguments& asked);
@@ -204,6 +205,7 @@ int diff(const arguments& asked);
 int turn(const arguments& asked);
 int probe(const arguments& asked);
 int listen(const arguments& asked);
+int doctor(const arguments& asked);
 int header(const arguments& asked);
 int completion(const arguments& asked);
 int manual(const arguments& asked);

@@ -1,0 +1,209 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// The checks of `servobus doctor` on a ZLAC8015D, against the simulated drive and its facade.
+#include <memory>
+
+#include <doctest/doctest.h>
+
+#include <servobus/device/zlac8015d.hpp>
+#include <servobus/sim/zlac8015d.hpp>
+
+#include <examples/servobus/doctor/zlac8015d.hpp>
+#include <tests/support/doctored.hpp>
+
+namespace doctor_zlac8015d_tests {
+namespace {
+
+namespace zlac = servobus::zlac8015d;
+using doctored::u16;
+using servobus::sim::zlac8015d_options;
+using bench = doctored::bench<servobus::sim::zlac8015d, zlac::drive>;
+constexpr const auto& list = tool::diagnosis::zlac8015d_checks;
+constexpr const auto& map = zlac::catalogue;
+
+constexpr u16 mode = zlac::mode_of_operation.address;
+constexpr u16 control = zlac::control_word.address;
+constexpr u16 word_of(zlac::control_code c) { return static_cast<u16>(c); }
+
+// Another program has enabled the drive in this mode, and has set the targets; its line is alive meanwhile.
+bool operate(bench& b, zlac::operating_mode in, u16 speed, u16 torque) {
+    b.pass(1);
+    bool is_done = b.model.put(mode, {static_cast<u16>(in)});
+    is_done = b.model.put(control, {word_of(zlac::control_code::enable)}) && is_done;
+    is_done = b.model.put(zlac::left_target_speed.address, {speed, speed}) && is_done;
+    is_done = b.model.put(zlac::left_target_torque.address, {torque, torque}) && is_done;
+    b.pass(300);
+    return is_done && b.model.enabled();
+}
+template <u16 Address, u16 Word> bool put(bench& b) { return b.model.put(Address, {Word}); }
+template <u16 Address, u16 Word> bool force(bench& b) {
+    b.model.forced[Address] = Word;
+    return true;
+}
+
+// In this order: a state that others would undo stands behind them.
+constexpr doctored::state<bench> states[] = {
+    {"nothing", [](bench&) { return true; }},
+    {"X0 active",
+     [](bench& b) {
+         b.model.set_input(true, false);
+         b.pass(5);
+         return true;
+     },
+     " x0_function"},
+    {"X1 active, without a function",
+     [](bench& b) {
+         b.model.set_input(false, true);
+         return true;
+     }},
+    {"X1 is a stop and active",
+     [](bench& b) {
+         b.model.set_input(false, true);
+         b.pass(5);
+         return put<0x2018, 9>(b);
+     },
+     " x1_function"},
+    {"X0 has no function", put<0x2017, 0>},
+    {"X0 inverted", [](bench& b) { return put<0x2016, 1>(b); }, " x0_function"},
+    {"both inverted", [](bench& b) { return put<0x2016, 3>(b); }, " x0_function"},
+    {"a resolution of 0.1 r/min", put<0x2022, 10>, " speed_resolution"},
+    {"a resolution of 0", force<0x2022, 0>, " speed_resolution: it is outside"},
+    {"a resolution of 11", force<0x2022, 11>, " speed_resolution: it is outside"},
+    {"no timeout", put<0x2000, 0>, " host_timeout"},
+    {"a timeout of 20 ms", put<0x2000, 20>, " host_timeout"},
+    {"a timeout of 200 ms", put<0x2000, 200>, " host_timeout"},
+    {"a timeout of 30 s", put<0x2000, 30000>, " host_timeout"},
+    {"parking", put<0x200C, 1>, " parking_mode"},
+    {"held at power-on",
+     [](bench& b) {
+         const bool is = put<0x2007, 1>(b) && put<0x2010, 1>(b);
+         b.model.power_cycle();
+         return is;
+     },
+     " status_word"},
+    {"a brake", put<0x201A, 1>, " left_brake"},
+    {"the other brake", put<0x201B, 1>, " right_brake"},
+    {"no current", put<0x2034, 0>, " left_max_current"},
+    {"no current at the right", put<0x2064, 0>, " right_max_current"},
+    {"rated above maximum", [](bench& b) { return put<0x2034, 100>(b); }, " left_rated_current"},
+    {"rated above maximum, right", [](bench& b) { return put<0x2064, 100>(b); }, " right_rated_current"},
+    {"no encoder", put<0x2030, 0>, " left_encoder_lines"},
+    {"unlike encoders", put<0x2060, 4096>, " left_encoder_lines"},
+    {"unlike poles", put<0x2045, 10>, " left_pole_pairs"},
+    {"unlike ramps", put<0x2080, 100>, " left_acceleration_time"},
+    {"unlike ramps down", put<0x2083, 100>, " left_deceleration_time"},
+    {"unlike quick stops", put<0x2084, 500>, " left_quick_stop_time"},
+    {"unlike overload factors", put<0x2032, 100>, " left_overload_factor"},
+    {"unlike overload times", put<0x2065, 100>, " left_overload_time"},
+    {"unlike following errors", put<0x2036, 100>, " left_following_error_limit"},
+    {"slow", put<0x2008, 60>, " left_max_speed"},
+    {"another rate from power-on on", put<0x2002, 6>, " rs485_baud_rate"},
+    {"another address from power-on on", put<0x2001, 7>, " node_address"},
+    {"targets are left",
+     [](bench& b) {
+         return b.model.put(0x2088, {30, 30});
+     },
+     " left_target_speed"},
+    {"a target is left at the right", put<0x2089, 30>, " right_target_speed"},
+    {"torques are left",
+     [](bench& b) {
+         return b.model.put(0x2090, {1000, 1000});
+     },
+     " left_target_torque"},
+    {"a torque is left at the right", put<0x2091, 1000>, " right_target_torque"},
+    {"enabled", [](bench& b) { return operate(b, zlac::operating_mode::velocity, 0, 0); }, " status_word"},
+    {"turning", [](bench& b) { return operate(b, zlac::operating_mode::velocity, 30, 0); }, " status_word"},
+    {"in torque mode", [](bench& b) { return operate(b, zlac::operating_mode::torque, 0, 2000); },
+     " status_word"},
+    {"quick-stopped",
+     [](bench& b) { return operate(b, zlac::operating_mode::velocity, 30, 0) && put<0x200E, 5>(b); },
+     " status_word"},
+    {"warm",
+     [](bench& b) {
+         b.model.set_motor_temperature(75, 20);
+         return true;
+     },
+     " motor_temperature: the left"},
+    {"too hot",
+     [](bench& b) {
+         b.model.set_motor_temperature(20, 90);
+         return true;
+     },
+     " right_faults"},
+    {"a hot drive",
+     [](bench& b) {
+         b.model.set_driver_temperature(750);
+         return true;
+     },
+     " driver_temperature"},
+    {"undervoltage",
+     [](bench& b) {
+         b.model.raise(zlac::fault::undervoltage, zlac::fault::none);
+         return true;
+     },
+     " left_faults"},
+    {"a Hall fault",
+     [](bench& b) {
+         b.model.raise(zlac::fault::none, zlac::fault::hall);
+         return true;
+     },
+     " hall_state"},
+    {"a fault whose cause has ended",
+     [](bench& b) {
+         b.model.raise(zlac::fault::overload, zlac::fault::none);
+         b.model.end_faults();
+         return true;
+     },
+     " left_faults"},
+    {"a fault that was reset",
+     [](bench& b) {
+         b.model.raise(zlac::fault::overload, zlac::fault::none);
+         b.model.end_faults();
+         return put<0x200E, 6>(b);
+     }},
+    {"an alarm without a code",
+     [](bench& b) {
+         b.model.forced[0x20A2] = 0x00C0;
+         return force<0x20A5, 0>(b) && force<0x20A6, 0>(b);
+     },
+     " status_word: a shaft"},
+};
+
+std::unique_ptr<bench> make() { return std::make_unique<bench>(zlac8015d_options{}); }
+
+TEST_CASE("doctor refuses a ZLAC8015D exactly where its facade does not enable it") {
+    (void)doctored::play(states, list, map, make, 1500);
+}
+
+TEST_CASE("doctor finds each state of a ZLAC8015D") { doctored::expect_findings(states, list, map, make); }
+
+TEST_CASE("doctor has nothing to say of a ZLAC8015D from the factory") {
+    const auto b = make();
+    CHECK(tool::diagnosis::find(list, doctored::read_of(b->model, list, map)).empty());
+}
+
+// Where the manual can be read in two ways, an enable may fail that doctor does not refuse: it says so of 2000h.
+TEST_CASE("doctor warns of a ZLAC8015D that is enabled under one interpretation alone") {
+    zlac8015d_options stays;
+    stays.resumes_after_watchdog = false;
+    zlac8015d_options always;
+    always.host_timeout = zlac8015d_options::zero::stops;
+    unsigned met = 0;
+    for (const auto& [options, timeout] : {std::pair{stays, u16{1}}, std::pair{always, u16{0}}}) {
+        bench b{options};
+        REQUIRE(b.model.put(0x2000, {timeout}));
+        const auto held = doctored::read_of(b.model, list, map);
+        const auto found = tool::diagnosis::find(list, held);
+        CHECK(!tool::diagnosis::has_refusal(found));
+        REQUIRE(!found.empty());
+        CHECK(doctored::first_of(*found[0], map) == "host_timeout");
+        CHECK(std::string{found[0]->why}.find("an enable") != std::string::npos);
+        REQUIRE(b.drive.run(servobus::init{}));
+        met += b.drive.run(servobus::enable{}) ? 0u : 1u;
+    }
+    CHECK(met == 2);
+}
+
+} // namespace
+} // namespace doctor_zlac8015d_tests
