@@ -143,7 +143,7 @@ void compare(Bench& b, const check_list& list, const servobus::catalogue& map, t
     const bool is_enabled = done && b.model.enabled();
     if (is_open == nullptr || !is_open(held)) {
         CHECK(refusing.empty() == is_enabled);
-    } else if (refusing.empty()) {
+    } else if (refusing.empty()) { // whatever came of it
         ++count.open;
         bool is_said = false;
         for (const check* c : found)
@@ -169,6 +169,7 @@ tally play(const state<Bench> (&states)[Count], const check_list& list, const se
             entered += std::string{states[i].name} + "; ";
         }
         CAPTURE(entered);
+        b->pass(10); // what has begun shows
         compare(*b, list, map, count, is_open);
     };
     static_assert(Count <= 64);
@@ -202,6 +203,32 @@ tally play(const state<Bench> (&states)[Count], const check_list& list, const se
     }
     MESSAGE(count.enabled, " enabled and ", count.refused, " refused, ", count.open, " of them open, of ",
             Count, " states");
+    return count;
+}
+
+/// Each state alone, under each of these options. `make` takes them.
+template <class Bench, std::size_t Count, class Options, std::size_t Sets, class Make>
+tally play_under(const state<Bench> (&states)[Count], const check_list& list, const servobus::catalogue& map,
+                 void (*const (&choices)[Sets])(Options&), Make make,
+                 bool (*is_open)(const held_registers&)) {
+    tally count;
+    for (std::size_t i = 0; i < Sets; ++i) {
+        CAPTURE(i);
+        Options chosen;
+        choices[i](chosen);
+        for (const auto& s : states) {
+            CAPTURE(std::string{s.name});
+            const std::unique_ptr<Bench> b = make(chosen);
+            if ((s.exists != nullptr && !s.exists(*b)) || !s.enter(*b)) continue;
+            ++count.played[s.name];
+            b->pass(10);
+            compare(*b, list, map, count, is_open);
+        }
+    }
+    MESSAGE(count.enabled, " enabled and ", count.refused, " refused, ", count.open, " of them open, under ",
+            Sets, " interpretations");
+    CHECK(count.refused > Sets);
+    CHECK(count.enabled > Sets);
     return count;
 }
 

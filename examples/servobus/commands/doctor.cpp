@@ -177,7 +177,7 @@ class consultation {
                 if (c.is == diagnosis::refuses && watched == address) return true;
             }
         }
-        for (const u16 one : list.also) {
+        for (const u16 one : list.needed) {
             if (one == address) return true;
         }
         return false;

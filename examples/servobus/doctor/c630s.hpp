@@ -105,6 +105,18 @@ inline bool awaits_power(const held_registers& r, const check& c) {
 }
 inline bool is_none_of_two(const held_registers& r, const check& c) { return r.word(c.of[0]) > 1; }
 
+// Outputs
+
+inline constexpr u16 outputs[] = {c630s::do1_function.address, c630s::do2_function.address,
+                                  c630s::do3_function.address, c630s::do4_function.address,
+                                  c630s::do5_function.address, c630s::do6_function.address};
+inline bool has_no_wired_brake(const held_registers& r, const check&) {
+    for (const u16 address : outputs) {
+        if (r.word(address) == static_cast<u16>(c630s::output_function::brake)) return false;
+    }
+    return true;
+}
+
 // Others
 
 inline bool is_turning(const held_registers& r, const check& c) {
@@ -159,6 +171,9 @@ inline constexpr check table[] = {
      {.write = "virtual_inputs_at_power_on=0"}},
     {matters, {c630s::power_on_functions_1_to_16}, enables_at_power_on,
      "servo-on is active at power-on: the motor is energised then", {.write = "power_on_functions_1_to_16=0"}},
+    {matters, {c630s::do6_function}, has_no_wired_brake,
+     "no wired output has the function BK; an enable is refused if the drive shows its brake on a wired one only, or "
+     "as always released", {.act = "if an enable is not confirmed", .write = "P04-10=9"}},
     {matters, {c630s::virtual_inputs_enable}, has_doubled,
      "two inputs have one function, which is Er.130", {.compose = free_one}, which_doubled},
     {matters, {c630s::input_conduction}, is_given,
@@ -203,6 +218,7 @@ inline constexpr check table[] = {
 
 } // namespace c630s_rules
 
-inline constexpr check_list c630s_checks{c630s_rules::table, c630s_rules::set_up_registers};
+inline constexpr check_list c630s_checks{c630s_rules::table, c630s_rules::outputs,
+                                         c630s_rules::set_up_registers};
 
 } // namespace tool::diagnosis

@@ -50,7 +50,9 @@ class held_registers {
         return servobus::join_words(word(address), word(static_cast<u16>(address + 1)),
                                     servobus::word_order::high_first);
     }
-    template <class Row> u16 word(const Row& row) const { return word(row.address); }
+    template <class Row>
+    requires requires(const Row& row) { row.address; }
+    u16 word(const Row& row) const { return word(row.address); }
     template <class Row> std::int16_t number(const Row& row) const {
         return static_cast<std::int16_t>(word(row.address));
     }
@@ -113,6 +115,7 @@ struct check {
 struct check_list {
     std::span<const check> checks;
     std::span<const u16> also{};
+    std::span<const u16> needed{}; ///< to judge whether an enable is refused
 };
 
 // Conditions that several tables use
@@ -178,6 +181,7 @@ inline std::vector<const servobus::entry*> rows_of(const check_list& list, const
         for (const u16 address : c.of.all()) add(address);
     }
     for (const u16 address : list.also) add(address);
+    for (const u16 address : list.needed) add(address);
     std::vector<const servobus::entry*> all;
     for (const auto& [address, row] : rows) all.push_back(row);
     return all;

@@ -48,28 +48,9 @@ inline bool is_doubled(const held_registers& r, const check& c) {
     return false;
 }
 
-// Functions whose input runs the motor while it is active.
-inline bool runs(const held_registers& r, u16 function_register) {
-    switch (static_cast<input_function>(r.word(function_register))) {
-    case input_function::speed_move:
-    case input_function::jog_positive:
-    case input_function::jog_negative: return is_on(r, function_register);
-    case input_function::pv_trigger:
-        return is_on(r, function_register) &&
-               r.word(yako::pv_trigger_mode) == static_cast<u16>(yako::pv_trigger::level);
-    default: return false;
-    }
-}
-inline unsigned count_of_running(const held_registers& r) {
-    unsigned count = 0;
-    for (u16 x = yako::x0_function.address; x < yako::x0_function.address + 7; ++x)
-        count += runs(r, x) ? 1u : 0u;
-    return count;
-}
-// Each of them starts a motion once the motor stands: only the first is under way.
-inline bool is_run_by_two(const held_registers& r, const check& c) {
-    const auto status = motion_status::from_word(r.word(c.of[0]));
-    return status.is_moving() && status.is_enabled() && count_of_running(r) > 1;
+// 0051h: an edge runs a speed segment, not the level.
+inline bool is_active_level(const held_registers& r, const check& c) {
+    return is_active_as(r, c) && r.word(yako::pv_trigger_mode) == static_cast<u16>(yako::pv_trigger::level);
 }
 
 inline bool is_none_of_two(const held_registers& r, const check& c) { return r.word(c.of[0]) > 1; }
@@ -102,6 +83,7 @@ struct input_rule {
     severity is;
     const char* why;
     mend by;
+    condition applies = is_active_as;
 };
 
 // clang-format off
@@ -127,7 +109,7 @@ inline constexpr input_rule input_rules[] = {
     {input_function::jog_negative, matters,
      runs_at_once, open_it},
     {input_function::pv_trigger, matters,
-     runs_at_once, open_it},
+     runs_at_once, open_it, is_active_level},
 };
 
 inline constexpr check both[] = {
@@ -135,9 +117,6 @@ inline constexpr check both[] = {
     {refuses, {yako::status_word, yako::error_code}, has_bit,
      "the motor is not enabled while the drive has an alarm",
      {.act = "mend the cause", .write = "auxiliary_command=clear_alarm"}, alarm_in_words, motion_status::alarm_bit},
-    {refuses, {yako::status_word, closed::input_state, yako::pv_trigger_mode}, is_run_by_two,
-     "two inputs run the motor: where one is stopped the other starts it, and it is not enabled while it moves",
-     {.act = "open the inputs"}},
     {refuses, {yako::pair_word_order}, is_none_of_two,
      "it is neither 0 nor 1, so no 32-bit value can be read", {.write = "pair_word_order=high_first"}},
     {refuses, {yako::software_limits}, is_none_of_two,
@@ -207,7 +186,7 @@ template <std::size_t Inputs, std::size_t Own> constexpr auto table_of(const che
         for (const input_rule& rule : input_rules)
             all[at++] = {rule.is,
                          watched::at({function, closed::input_state.address}),
-                         is_active_as,
+                         rule.applies,
                          rule.why,
                          rule.by,
                          nullptr,
@@ -220,12 +199,13 @@ template <std::size_t Inputs, std::size_t Own> constexpr auto table_of(const che
     }
     return all;
 }
+inline constexpr u16 also[] = {yako::pv_trigger_mode.address};
 inline constexpr auto closed_loop_table = table_of<4>(of_closed_loop);
 inline constexpr auto open_loop_table = table_of<7>(of_open_loop);
 
 } // namespace yako_rules
 
-inline constexpr check_list yako_closed_loop_checks{yako_rules::closed_loop_table};
-inline constexpr check_list yako_open_loop_checks{yako_rules::open_loop_table};
+inline constexpr check_list yako_closed_loop_checks{yako_rules::closed_loop_table, yako_rules::also};
+inline constexpr check_list yako_open_loop_checks{yako_rules::open_loop_table, yako_rules::also};
 
 } // namespace tool::diagnosis

@@ -125,10 +125,12 @@ inline constexpr check table[] = {
      "it is outside 1..10, so the worth of a commanded speed is unknown", {.write = "speed_resolution=1"}},
 
     {matters, {zlac::host_timeout}, is_zero,
-     "the manual does not say what 0 means: perhaps the wheels run on when the line is lost, perhaps an enable does "
-     "not last", {.write = "host_timeout=1000"}},
+     "the manual does not say what 0 means: the wheels run on when the line is lost, or an enable is refused if the "
+     "time is always over",
+     {.write = "host_timeout=1000"}},
     {matters, {zlac::host_timeout}, is_short,
-     "the drive stops when a single response is lost, and an enable may not last", {.write = "host_timeout=1000"},
+     "the drive stops when a single response is lost; an enable is refused if such a stop lasts",
+     {.write = "host_timeout=1000"},
      shortest_in_words},
     {matters, {zlac::host_timeout}, is_above,
      "so long the wheels run on when the line is lost", {.write = "host_timeout=1000"}, nullptr, 1000},

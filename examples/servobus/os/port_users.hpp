@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#ifndef _WIN32
+#ifdef __linux__
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
@@ -43,7 +43,7 @@ struct latency_timer {
     unsigned ms = 0;
 };
 
-#ifdef _WIN32
+#ifndef __linux__
 inline std::vector<port_user> users_of(const std::string&, const std::string& = "") { return {}; }
 inline std::optional<latency_timer> latency_of(const std::string&, const std::string& = "") { return {}; }
 #else
