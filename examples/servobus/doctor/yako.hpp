@@ -89,8 +89,8 @@ struct input_rule {
 // clang-format off
 inline constexpr mend open_it {.act = "open the input; or, if nothing is wired to it", .compose = without_function};
 inline constexpr const char* runs_at_once =
-    "the input is active: the motor runs as soon as it stands and is enabled; an enable is refused if it starts before, "
-    "or runs into a limit";
+    "the input is active: the motor runs as soon as it stands and is enabled; an enable is refused if it starts "
+    "before, or runs into a limit";
 inline constexpr input_rule input_rules[] = {
     {input_function::motor_free, refuses,
      "the input is active and releases the motor, whatever the bus commands", open_it},

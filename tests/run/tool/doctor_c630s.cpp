@@ -136,8 +136,8 @@ TEST_CASE("doctor refuses a C630S exactly where its facade does not enable it") 
 
 TEST_CASE("doctor finds each state of a C630S") { doctored::expect_findings(states, list, map, make); }
 
-// A drive that shows its brake on wired outputs only, or as always released, is never seen to be enabled: doctor says so, as
-// long as no wired output has the function.
+// A drive that shows its brake on wired outputs only, or as always released, is never seen to be enabled: doctor says
+// so, as long as no wired output has the function.
 bool is_open(const doctored::held_registers&) { return true; }
 
 TEST_CASE("doctor refuses a C630S exactly under each other interpretation of the manual too") {
