@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <map>
 #include <memory>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -232,10 +233,10 @@ tally play_under(const state<Bench> (&states)[Count], const check_list& list, co
     return count;
 }
 
-/// Each state alone shows the finding that it is to show.
+/// Each state alone shows the finding that it is to show. Adds the sentences of all findings to `said`.
 template <class Bench, std::size_t Count, class Make>
 void expect_findings(const state<Bench> (&states)[Count], const check_list& list,
-                     const servobus::catalogue& map, Make make) {
+                     const servobus::catalogue& map, Make make, std::set<std::string>& said) {
     for (const auto& s : states) {
         CAPTURE(std::string{s.name});
         const std::unique_ptr<Bench> b = make();
@@ -251,9 +252,23 @@ void expect_findings(const state<Bench> (&states)[Count], const check_list& list
         const std::string after = names();
         CAPTURE(before);
         CAPTURE(after);
+        for (const check& c : list.checks) {
+            const std::string sentence = first_of(c, map) + ": " + c.why;
+            if (after.find(' ' + sentence + ';') != after.npos) said.insert(sentence);
+        }
         if (*s.expected == '\0') continue;
         CHECK(before.find(s.expected) == before.npos);
         CHECK(after.find(s.expected) != after.npos);
+    }
+}
+
+/// Each row of a list was said in a state.
+inline void expect_all(const check_list& list, const servobus::catalogue& map,
+                       const std::set<std::string>& said) {
+    for (const check& c : list.checks) {
+        const std::string sentence = first_of(c, map) + ": " + c.why;
+        CAPTURE(sentence);
+        CHECK(said.contains(sentence));
     }
 }
 

@@ -116,6 +116,18 @@ def found_and_mended(tool: Doctor, device: str):
             tool.status_is(f"{device} {write}: as before", usual)
 
 
+@scene(("zlac8015d", "zlac8015d"), ("yako", "yako-closed-loop"), ("c630s", "c630s"))
+def named_commands(tool: Doctor, table: str, device: str):
+    """Each command that a table of checks names is one that the tool takes; a drive may refuse it in another state."""
+    source = (ROOT / f"examples/servobus/doctor/{table}.hpp").read_text("utf-8")
+    writes = sorted(set(re.findall(r'\.write = "([^"]+)"', source)))
+    tool.check(f"{table}: there are some", len(writes) > 5, writes)
+    with tool.simulated(device):
+        for write in writes:
+            tool.run(f"write drive {device} {write} --yes")
+            tool.check(f"{table}: {write}", tool.last.status in (0, 1) and "unknown" not in tool.last.err, tool.found())
+
+
 @scene(*[(device,) for device in FOUND])
 def only_reads(tool: Doctor, device: str):
     """Every request of doctor is a read: a listener on the line hears no other."""
@@ -224,6 +236,61 @@ def another_device(tool: Doctor):
     tool.status_is("a device that refuses: status 1", 1)
     tool.finds("a device that refuses is perhaps another one", "refused", "exception 2",
                "another device than zlac8015d", f"servobus scan {port} --nodes 1")
+
+
+class Wheels(Device):
+    """A ZLAC8015D as far as its registers are concerned: some of them are missing."""
+
+    def __init__(self, *missing: int):
+        super().__init__()
+        self.words = {0x2000: 1000, 0x2001: 1, 0x2002: 2, 0x2008: 1000, 0x201E: 800, 0x2022: 1, 0x20A3: 0x0101}
+        for motor in (0x2030, 0x2060):
+            self.words |= {motor: 1024, motor + 3: 150, motor + 4: 300, motor + 0x16: 800}
+        self.missing = missing
+
+    def response_to(self, pdu: bytes) -> bytes:
+        self.requests.append(pdu)
+        first, count = int.from_bytes(pdu[1:3], "big"), int.from_bytes(pdu[3:5], "big")
+        if pdu[0] != 3 or any(first <= one < first + count for one in self.missing):
+            return bytes([pdu[0] | 0x80, 2])
+        words = [self.words.get(first + i, 0) for i in range(count)]
+        return bytes([3, 2 * count]) + b"".join(word.to_bytes(2, "big") for word in words)
+
+
+@scene()
+def unread_registers(tool: Doctor):
+    for missing, status, line, total in [
+        ((), 0, "", "nothing refuses an enable"),
+        ((0x200C,), 0, "parking_mode: refused, exception 2 (illegal data address)", "nothing refuses an enable; "
+                                                                                   "1 finding matters"),
+        ((0x2016,), 1, "input_polarity: refused, exception 2 (illegal data address), which decides whether an enable is "
+                       "refused", "1 register that decides could not be read"),
+        ((0x2003, 0x2022), 1, "speed_resolution: refused", "2 registers that decide could not be read"),
+    ]:
+        device = Wheels(*missing)
+        with on_terminal(device) as port:
+            tool.run(f"doctor {port} zlac8015d --timeout 2000")
+        name = "without " + (", ".join(f"{one:04X}h" for one in missing) or "nothing")
+        tool.status_is(f"{name}: status {status}", status)
+        tool.is_equal(f"{name}: the sum", tool.last.lines[-1], f"zlac8015d:1: {total}")
+        if line:
+            tool.finds(f"{name}: the register is named", "unread", line)
+        tool.is_equal(f"{name}: and no other", len(tool.findings()), len(missing))
+        tool.is_equal(f"{name}: it only reads", {pdu[0] for pdu in device.requests}, {3})
+
+
+@scene()
+def interrupted(tool: Doctor):
+    device = Wheels()
+    device.delays = [0.3] * 100
+    with on_terminal(device) as port:
+        program = tool.start(f"doctor {port} zlac8015d --timeout 2000")
+        until(lambda: len(device.requests) > 13)  # the reads that take the time of responses are over
+        tool.ends(program, signal.SIGINT)
+        tool.status_is("SIGINT: status 1", 1)
+        tool.is_equal("and it says so", tool.last.err, "servobus: interrupted\n")
+        tool.check("and has no sum", "an enable" not in tool.last.out)
+        device.delays = []
 
 
 @scene()

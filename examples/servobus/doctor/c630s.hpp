@@ -207,12 +207,6 @@ inline constexpr check table[] = {
      "the electronic gear has no effect while P05-02 is not 0: the motor moves other ways than the gear says",
      {.act = "set P05-02 to 0 to use the gear, with the servo off, and switch the drive off and on",
       .write = "pulses_per_revolution=0"}},
-    {matters, {c630s::rs485_baud_rate}, has_other_rate<c630s::device>,
-     "the drive has another rate than it responds at",
-     {.act = "give the rate that it has by --baud, or write the one in use"}},
-    {matters, {c630s::data_format}, has_other_format<c630s::device>,
-     "the drive has another format than it responds with",
-     {.act = "give the format that it has by --format, or write the one in use"}},
 };
 // clang-format on
 

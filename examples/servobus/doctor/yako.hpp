@@ -177,7 +177,7 @@ inline constexpr check of_open_loop[] = {
 // The rows of each input, after the others.
 template <std::size_t Inputs, std::size_t Own> constexpr auto table_of(const check (&own)[Own]) {
     constexpr std::size_t rules = std::size(input_rules) + 1;
-    std::array<check, std::size(both) + Own + Inputs * rules> all{};
+    std::array<check, std::size(both) + Own + Inputs * rules - 1> all{};
     std::size_t at = 0;
     for (const check& c : both) all[at++] = c;
     for (const check& c : own) all[at++] = c;
@@ -191,6 +191,7 @@ template <std::size_t Inputs, std::size_t Own> constexpr auto table_of(const che
                          rule.by,
                          nullptr,
                          static_cast<u16>(rule.does)};
+        if (input == 0) continue;
         all[at++] = {matters,
                      watched::at({function}),
                      is_doubled,

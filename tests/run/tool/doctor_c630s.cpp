@@ -134,7 +134,11 @@ TEST_CASE("doctor refuses a C630S exactly where its facade does not enable it") 
     (void)doctored::play(states, list, map, make, 300);
 }
 
-TEST_CASE("doctor finds each state of a C630S") { doctored::expect_findings(states, list, map, make); }
+TEST_CASE("doctor finds each state of a C630S") {
+    std::set<std::string> said;
+    doctored::expect_findings(states, list, map, make, said);
+    doctored::expect_all(list, map, said);
+}
 
 // A drive that shows its brake on wired outputs only, or as always released, is never seen to be enabled: doctor says
 // so, as long as no wired output has the function.

@@ -51,6 +51,13 @@ template <class Bench> bool home(Bench& b) {
     return is;
 }
 
+// Homed, and the limits are around another place.
+template <class Bench, int From, int To> bool be_beyond(Bench& b) {
+    const auto words = [](int n) { return static_cast<u16>(n < 0 ? 0xFFFF : 0); };
+    return home(b) && b.model.put(0x0018, {1}) &&
+           b.model.put(0x0037, {words(To), static_cast<u16>(To & 0xFFFF)}) &&
+           b.model.put(0x0039, {words(From), static_cast<u16>(From & 0xFFFF)});
+}
 // What one variant has alone.
 template <class B> bool is_open_loop(B& b) { return b.model.peek(0) == 2505; }
 template <class B> bool is_closed_loop(B& b) { return !is_open_loop(b); }
@@ -70,6 +77,10 @@ template <class B> struct of {
         {"another rate from power-on on", put<B, 0x0014, 3>, " rs485_baud_rate"},
         {"another format from power-on on", put<B, 0x0015, 1>, " rs485_format"},
         {"homed", home<B>},
+        {"beyond the positive limit", be_beyond<B, -500, -100>,
+         " status_word: the position is beyond the positive"},
+        {"beyond the negative limit", be_beyond<B, 100, 500>,
+         " status_word: the position is beyond the negative"},
         {"released", [](B& b) { return b.model.put(0x002D, {0x0011}); }},
         {"blocked",
          [](B& b) {
@@ -183,24 +194,58 @@ TEST_CASE("doctor refuses a YAKO stepper exactly under each other interpretation
     (void)doctored::play_under(of<closed_bench>::states, closed_list, closed_map, choices, make_of, is_open);
 }
 
-TEST_CASE("doctor finds each state of a YAKO stepper") {
-    doctored::expect_findings(of<closed_bench>::states, closed_list, closed_map, make<closed_bench>);
-    doctored::expect_findings(of<open_bench>::states, open_list, open_map, make<open_bench>);
+// What the rules of inputs say, at each input.
+template <class Bench>
+void say_inputs(const tool::diagnosis::check_list& list, const servobus::catalogue& map, unsigned inputs,
+                std::set<std::string>& said) {
+    for (unsigned input = 0; input < inputs; ++input) {
+        const std::string name = " x" + std::to_string(input) + "_function";
+        for (const auto& rule : tool::diagnosis::yako_rules::input_rules) {
+            CAPTURE(name);
+            CAPTURE(std::string{rule.why});
+            const auto enter = [&](Bench& b, bool is_active) {
+                const bool is = b.model.put(static_cast<u16>(0x0041 + input), {static_cast<u16>(rule.does)});
+                b.model.set_input(input, is_active);
+                b.pass(20);
+                return is;
+            };
+            const auto says = [&](bool is_active) {
+                const auto b = make<Bench>();
+                REQUIRE(enter(*b, is_active));
+                for (const doctored::check* c :
+                     tool::diagnosis::find(list, doctored::read_of(b->model, list, map))) {
+                    const std::string sentence = doctored::first_of(*c, map) + ": " + c->why;
+                    if (c->why == rule.why && ' ' + doctored::first_of(*c, map) == name)
+                        return said.insert(sentence), true;
+                }
+                return false;
+            };
+            CHECK(says(true));
+            CHECK(!says(false));
+        }
+        if (input == 0) continue;
+        const auto b = make<Bench>();
+        REQUIRE(b->model.put(0x0041, {11}));
+        REQUIRE(b->model.put(static_cast<u16>(0x0041 + input), {11}));
+        for (const doctored::check* c : tool::diagnosis::find(list, doctored::read_of(b->model, list, map)))
+            said.insert(doctored::first_of(*c, map) + ": " + c->why);
+    }
 }
 
-TEST_CASE("doctor finds what one variant of YAKO steppers has alone") {
+TEST_CASE("doctor finds each state of a YAKO stepper, and has no row without one") {
+    std::set<std::string> said;
     static constexpr doctored::state<closed_bench> of_closed[] = {
         {"0.1 r/min", put<closed_bench, 0x001A, 1>, " speed_resolution: speeds count"},
-        {"no resolution", force<closed_bench, 0x001A, 2>, " speed_resolution: it is neither"},
         {"no current in closed loop", put<closed_bench, 0x0103, 0>, " closed_loop_max_current"},
     };
-    doctored::expect_findings(of_closed, closed_list, closed_map, make<closed_bench>);
-    static constexpr doctored::state<open_bench> of_open[] = {
-        {"X6 frees the motor", wire<open_bench, 6, input_function::motor_free>,
-         " x6_function: the input is active and"},
-        {"X6 doubled", put<open_bench, 0x0047, 2>, " x6_function: an input before"},
-    };
-    doctored::expect_findings(of_open, open_list, open_map, make<open_bench>);
+    doctored::expect_findings(of_closed, closed_list, closed_map, make<closed_bench>, said);
+    doctored::expect_findings(of<closed_bench>::states, closed_list, closed_map, make<closed_bench>, said);
+    say_inputs<closed_bench>(closed_list, closed_map, 4, said);
+    doctored::expect_all(closed_list, closed_map, said);
+    said.clear();
+    doctored::expect_findings(of<open_bench>::states, open_list, open_map, make<open_bench>, said);
+    say_inputs<open_bench>(open_list, open_map, 7, said);
+    doctored::expect_all(open_list, open_map, said);
 }
 
 TEST_CASE("doctor warns of a YAKO stepper whose input may start it while it is taken over") {

@@ -89,6 +89,9 @@ constexpr doctored::state<bench> states[] = {
     {"rated above maximum", [](bench& b) { return put<0x2034, 100>(b); }, " left_rated_current"},
     {"rated above maximum, right", [](bench& b) { return put<0x2064, 100>(b); }, " right_rated_current"},
     {"no encoder", put<0x2030, 0>, " left_encoder_lines"},
+    {"no encoder at the right", put<0x2060, 0>, " right_encoder_lines"},
+    {"unlike rated currents", put<0x2033, 100>, " left_rated_current: the wheels"},
+    {"unlike speeds of moves", put<0x208E, 60>, " left_max_speed: the wheels"},
     {"unlike encoders", put<0x2060, 4096>, " left_encoder_lines"},
     {"unlike poles", put<0x2045, 10>, " left_pole_pairs"},
     {"unlike ramps", put<0x2080, 100>, " left_acceleration_time"},
@@ -176,7 +179,11 @@ TEST_CASE("doctor refuses a ZLAC8015D exactly where its facade does not enable i
     (void)doctored::play(states, list, map, make, 300);
 }
 
-TEST_CASE("doctor finds each state of a ZLAC8015D") { doctored::expect_findings(states, list, map, make); }
+TEST_CASE("doctor finds each state of a ZLAC8015D") {
+    std::set<std::string> said;
+    doctored::expect_findings(states, list, map, make, said);
+    doctored::expect_all(list, map, said);
+}
 
 TEST_CASE("doctor has nothing to say of a ZLAC8015D from the factory") {
     const auto b = make();
