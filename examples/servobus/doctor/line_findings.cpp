@@ -38,7 +38,12 @@ std::string advice_on(const report& to, const std::string& port, const target& o
                       const session& on, const std::string& what) {
     const std::string node = std::to_string(of.node);
     if (what.find("--echo on") != what.npos) return to.command("doctor", "--echo on");
-    if (what.find("--echo off") != what.npos) return to.command("doctor");
+    if (what.find("--echo off") != what.npos) {
+        std::string without = to.command("doctor");
+        const std::string option = " --echo on";
+        if (without.ends_with(option)) without.resize(without.size() - option.size());
+        return without;
+    }
     if (what.find("try tcp://") != what.npos) return "give the port that it names";
     if (on.port().is_network())
         return "check the node, and the rate and format that the gateway has: servobus scan " + port;
