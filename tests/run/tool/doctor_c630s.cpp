@@ -11,7 +11,7 @@
 #include <servobus/sim/c630s.hpp>
 
 #include <examples/servobus/doctor/c630s.hpp>
-#include <tests/support/doctored.hpp>
+#include <tests/support/driven_doctored.hpp>
 
 namespace doctor_c630s_tests {
 namespace {
@@ -92,7 +92,7 @@ constexpr doctored::state<bench> states[] = {
     {"high word first", put<0x0C1A, 0>},
     {"no word order", force<0x0C1A, 2>, " pair_word_order"},
     {"writes wear the EEPROM", put<0x0C0D, 1>, " eeprom_update"},
-    {"a slow response", put<0x0C19, 60>, " response_delay"},
+    {"a slow response", put<0x0C19, 55>, " response_delay"},
     {"no speed", put<0x0607, 0>, " max_speed"},
     {"no speed forward", put<0x0608, 0>, " max_forward_speed"},
     {"no speed in reverse", put<0x0609, 0>, " max_reverse_speed"},
@@ -123,15 +123,20 @@ std::unique_ptr<bench> make_of(const c630s_options& o) {
     return b;
 }
 // The same, set up once.
+auto maker_of(const c630s_options& o) {
+    return [o, ready = servobus::sim::c630s{make_of(o)->model}] {
+        auto b = std::make_unique<bench>(o);
+        static_cast<servobus::sim::c630s&>(b->model) = ready;
+        return b;
+    };
+}
 std::unique_ptr<bench> make() {
-    static const servobus::sim::c630s ready = make_of(c630s_options{})->model;
-    auto b = std::make_unique<bench>(c630s_options{});
-    static_cast<servobus::sim::c630s&>(b->model) = ready;
-    return b;
+    static const auto maker = maker_of(c630s_options{});
+    return maker();
 }
 
 TEST_CASE("doctor refuses a C630S exactly where its facade does not enable it") {
-    (void)doctored::play(states, list, map, make, 300);
+    (void)doctored::play(states, list, map, make, 150);
 }
 
 TEST_CASE("doctor finds each state of a C630S") {
@@ -159,7 +164,7 @@ TEST_CASE("doctor refuses a C630S exactly under each other interpretation of the
         [](choice& o) { o.disabled_inputs_count = true; },
         [](choice& o) { o.delay_is_additional = true; },
     };
-    (void)doctored::play_under(states, list, map, choices, make_of, nullptr);
+    (void)doctored::play_under(states, list, map, choices, maker_of, nullptr);
 }
 
 TEST_CASE("doctor says that an enable of a C630S is refused if its brake does not show") {

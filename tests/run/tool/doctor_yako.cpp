@@ -12,7 +12,7 @@
 #include <servobus/sim/yako.hpp>
 
 #include <examples/servobus/doctor/yako.hpp>
-#include <tests/support/doctored.hpp>
+#include <tests/support/driven_doctored.hpp>
 
 namespace doctor_yako_tests {
 namespace {
@@ -171,8 +171,8 @@ bool is_open(const doctored::held_registers& r) {
 }
 
 TEST_CASE("doctor refuses a YAKO stepper exactly where its facade does not enable it") {
-    (void)doctored::play(of<closed_bench>::states, closed_list, closed_map, make<closed_bench>, 300, is_open);
-    (void)doctored::play(of<open_bench>::states, open_list, open_map, make<open_bench>, 300, is_open);
+    (void)doctored::play(of<closed_bench>::states, closed_list, closed_map, make<closed_bench>, 150, is_open);
+    (void)doctored::play(of<open_bench>::states, open_list, open_map, make<open_bench>, 150, is_open);
 }
 
 TEST_CASE("doctor refuses a YAKO stepper exactly under each other interpretation of the manual too") {
@@ -190,7 +190,7 @@ TEST_CASE("doctor refuses a YAKO stepper exactly under each other interpretation
         [](choice& o) { o.commands_read_back = true; },
         [](choice& o) { o.stops_homing = false; },
     };
-    const auto make_of = [](const choice& o) { return std::make_unique<closed_bench>(o); };
+    const auto make_of = [](const choice& o) { return [o] { return std::make_unique<closed_bench>(o); }; };
     (void)doctored::play_under(of<closed_bench>::states, closed_list, closed_map, choices, make_of, is_open);
 }
 

@@ -10,7 +10,7 @@
 #include <servobus/sim/zlac8015d.hpp>
 
 #include <examples/servobus/doctor/zlac8015d.hpp>
-#include <tests/support/doctored.hpp>
+#include <tests/support/driven_doctored.hpp>
 
 namespace doctor_zlac8015d_tests {
 namespace {
@@ -176,7 +176,7 @@ constexpr doctored::state<bench> states[] = {
 std::unique_ptr<bench> make() { return std::make_unique<bench>(zlac8015d_options{}); }
 
 TEST_CASE("doctor refuses a ZLAC8015D exactly where its facade does not enable it") {
-    (void)doctored::play(states, list, map, make, 300);
+    (void)doctored::play(states, list, map, make, 150);
 }
 
 TEST_CASE("doctor finds each state of a ZLAC8015D") {
@@ -208,7 +208,7 @@ TEST_CASE("doctor refuses a ZLAC8015D exactly under each other interpretation of
         [](choice& o) { o.by_fault = choice::switched_off::its_wheel; },
         [](choice& o) { o.code_1 = choice::brake::releases; },
     };
-    const auto make_of = [](const choice& o) { return std::make_unique<bench>(o); };
+    const auto make_of = [](const choice& o) { return [o] { return std::make_unique<bench>(o); }; };
     const auto count = doctored::play_under(states, list, map, choices, make_of, is_open);
     CHECK(count.open > 10);
 }

@@ -207,19 +207,20 @@ tally play(const state<Bench> (&states)[Count], const check_list& list, const se
     return count;
 }
 
-/// Each state alone, under each of these options. `make` takes them.
+/// Each state alone, under each of these options. `make_of` takes them, and returns what makes a bench with a new drive.
 template <class Bench, std::size_t Count, class Options, std::size_t Sets, class Make>
 tally play_under(const state<Bench> (&states)[Count], const check_list& list, const servobus::catalogue& map,
-                 void (*const (&choices)[Sets])(Options&), Make make,
+                 void (*const (&choices)[Sets])(Options&), Make make_of,
                  bool (*is_open)(const held_registers&)) {
     tally count;
     for (std::size_t i = 0; i < Sets; ++i) {
         CAPTURE(i);
         Options chosen;
         choices[i](chosen);
+        const auto make = make_of(chosen);
         for (const auto& s : states) {
             CAPTURE(std::string{s.name});
-            const std::unique_ptr<Bench> b = make(chosen);
+            const std::unique_ptr<Bench> b = make();
             if ((s.exists != nullptr && !s.exists(*b)) || !s.enter(*b)) continue;
             ++count.played[s.name];
             b->pass(10);
