@@ -175,6 +175,8 @@ inline constexpr check table[] = {
      "wheels that are not enabled are braked and cannot be pushed", {.write = "parking_mode=off"}},
     {matters, {zlac::shaft_at_power_on}, is_set,
      "after power-on the wheels are held, though nothing is enabled", {.write = "shaft_at_power_on=unlocked"}},
+    {matters, {zlac::input_stop}, is_set,
+     "after an emergency stop by an input the wheels are released, and roll on a slope", {.write = "input_stop=0"}},
     {matters, {zlac::left_max_current}, is_zero,
      "the motor gets no current and does not turn", {.act = "set it for the motor"}},
     {matters, {zlac::right_max_current}, is_zero,

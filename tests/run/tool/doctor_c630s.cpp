@@ -96,6 +96,7 @@ constexpr doctored::state<bench> states[] = {
     {"no speed", put<0x0607, 0>, " max_speed"},
     {"no speed forward", put<0x0608, 0>, " max_forward_speed"},
     {"no speed in reverse", put<0x0609, 0>, " max_reverse_speed"},
+    {"torque by an analogue input", put<0x0707, 2>, " torque_limit_source"},
     {"no torque forward", put<0x0709, 0>, " positive_internal_torque_limit"},
     {"no torque in reverse", put<0x070A, 0>, " negative_internal_torque_limit"},
     {"modes that inputs switch", put<0x0200, 6>},

@@ -84,6 +84,7 @@ constexpr doctored::state<bench> states[] = {
      " status_word"},
     {"a brake", put<0x201A, 1>, " left_brake"},
     {"the other brake", put<0x201B, 1>, " right_brake"},
+    {"released by a stop", put<0x2021, 1>, " input_stop"},
     {"no current", put<0x2034, 0>, " left_max_current"},
     {"no current at the right", put<0x2064, 0>, " right_max_current"},
     {"rated above maximum", [](bench& b) { return put<0x2034, 100>(b); }, " left_rated_current"},
