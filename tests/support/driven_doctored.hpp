@@ -43,7 +43,7 @@ template <class Model> struct odd : Model {
         }
         return why;
     }
-    /// As somebody at the drive would, without the line. Returns false if the drive refuses it.
+    /// Writes without the line, as somebody at the drive would. Returns false if the drive refuses it.
     bool put(u16 address, std::initializer_list<u16> words) {
         std::vector<std::uint8_t> payload;
         for (const u16 word : words) {
@@ -75,7 +75,7 @@ template <class Model, template <class> class Facade> struct bench {
     void pass(std::uint32_t ms) { wire.pass(servobus::milliseconds(ms)); }
 };
 
-/// What the doctor reads of a drive, without the line, so that the oracle of the test is the drive alone.
+/// Reads the registers of a list, without the line.
 template <class Model>
 held_registers read_of(Model& model, const check_list& list, const servobus::catalogue& map) {
     held_registers held;

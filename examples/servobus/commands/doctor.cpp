@@ -136,7 +136,7 @@ class consultation {
         return to_.end(false);
     }
 
-    // Who interrupts it is told no result.
+    // An interruption ends it without a result.
     int end() { return interrupts::came() ? failed : to_.end(true); }
 
     void judge_line(const servobus::entry& row, servobus::table from) {

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// What keeps a C630S from turning, or makes it turn otherwise than meant, as a table. A row refuses an enable exactly
+// The table of what keeps a C630S from turning, or makes it turn otherwise than meant. A row refuses an enable exactly
 // where the facade's `init` and `enable` do not succeed. Source: manual V24.111, chapters 5 to 9; [errata Cn] are in
 // device/errata_c630s.md.
 #pragma once
@@ -36,7 +36,7 @@ inline constexpr std::array<u16, set_up_size> set_up_registers = all_of_set_up()
 inline bool is_other(const held_registers& r, u16 address) {
     return r.has(address) && c630s::detail::set_up_word(address, r.word(address)) != r.word(address);
 }
-// Once each: two blocks share a register.
+// Lists the registers that differ, each once: two blocks share one.
 inline std::vector<u16> others(const held_registers& r) {
     std::vector<u16> found;
     for (const u16 address : set_up_registers) {

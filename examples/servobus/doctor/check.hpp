@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// What `servobus doctor` judges: the registers of a drive as they were read, and a table of checks over them. A check
+// The material of `servobus doctor`: the registers of a drive as they were read, and tables of checks over them. A check
 // is a row: how bad it is, the registers, when it applies, why it matters, and what mends it. Nothing here reads or
 // writes, so that a test judges registers that it has made.
 //
@@ -94,7 +94,7 @@ struct check;
 using condition = bool (*)(const held_registers&, const check&);
 using phrase = std::string (*)(const held_registers&, const check&);
 
-/// What mends a finding.
+/// The way to mend a finding.
 struct mend {
     const char* act = "";     ///< what a person does, a clause; empty: nothing besides the command
     const char* write = "";   ///< `REG=VALUE ...` for `servobus write`; empty: none
@@ -145,7 +145,7 @@ template <class Device> bool has_other_format(const held_registers& r, const che
     return r.on.baud != 0;
 }
 
-/// As VALUE of the tool takes a register's content.
+/// Formats a register's content as VALUE of the tool takes it.
 inline std::string hex_of(u16 word) {
     constexpr char digits[] = "0123456789ABCDEF";
     std::string text = "0x";

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// What can be said of any device that a file describes.
+// The findings about any device that a file describes.
 #pragma once
 
 #include "report.hpp"

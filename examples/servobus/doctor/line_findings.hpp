@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// What can be said of the port and of the line: who else is on it, what its bytes show, and how long responses take.
+// The findings about the port and the line: who else is on it, what its bytes show, and how long responses take.
 #pragma once
 
 #include <optional>

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Reads the registers of a list of checks, in few requests, by whatever reads rows: a session of the tool, or a test.
-// What it is given can only read.
+// Reads the registers of a list of checks, in few requests, by a function that reads rows: that of a session of the
+// tool, or of a test. It gets no function that writes.
 #pragma once
 
 #include <cstddef>

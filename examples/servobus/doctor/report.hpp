@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// What `servobus doctor` prints: a line a finding, and how many there were.
+// The output of `servobus doctor`: a line a finding, and how many there were.
 #pragma once
 
 #include <string>

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// What several devices on one line have to share.
+// Several devices on one line: the rate and the format that they have to share.
 #include <cstdio>
 #include <utility>
 #include <vector>
@@ -32,7 +32,7 @@ std::string settings_text(std::uint32_t baud, servobus::character_format format)
 
 std::string word_of(const target& of) { return of.kind->word() + ':' + std::to_string(of.node); }
 
-// What brings a device from the factory's settings to those of the line.
+// Lists the writes that bring a device from the factory's settings to those of the line.
 std::string way_of(const target& of, const servobus::line_change& change) {
     std::string writes;
     for (const servobus::line_write& w : {change.rate, change.format}) {

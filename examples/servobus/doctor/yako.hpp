@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// What keeps a YAKOTEC stepper from turning, or makes it turn otherwise than meant, as a table for each variant. A row
+// The tables of what keeps a YAKOTEC stepper from turning, or makes it turn otherwise than meant, one a variant. A row
 // refuses an enable exactly where the facade's `init` and `enable` do not succeed. Source: manual V2.6.0, chapters 4
 // and 5, appendices 2 and 3; [errata An] are in device/errata.md.
 #pragma once

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// What keeps the wheels of a ZLAC8015D from turning, or makes them turn otherwise than meant, as a table. A row
+// The table of what keeps the wheels of a ZLAC8015D from turning, or makes them turn otherwise than meant. A row
 // refuses an enable exactly where the facade's `init` and `enable` do not succeed. Source: RS485 manual V1.07,
 // chapters 3 and 4; [errata Bn] are in device/errata.md.
 #pragma once
@@ -36,7 +36,7 @@ inline zlac::status_flags status_of(const held_registers& r) {
 inline bool is_either(const held_registers& r, zlac::shaft_state s) {
     return status_of(r).left.shaft == s || status_of(r).right.shaft == s;
 }
-// Without a code no other row shows it.
+// An alarm without a code, which no other row shows.
 inline bool is_in_alarm(const held_registers& r, const check& c) {
     const bool has_code = r.word(c.of[1]) != 0 || r.word(c.of[2]) != 0;
     return is_either(r, zlac::shaft_state::alarm) && !has_code;
@@ -57,7 +57,7 @@ inline bool is_fine_resolution(const held_registers& r, const check& c) {
     return r.word(c.of[0]) > 1 && !is_no_resolution(r, c);
 }
 
-// A lost response takes the response time and the quarantine; a setpoint every 50 ms is due then.
+// The time of a lost response is its limit and the quarantine. A setpoint every 50 ms is due then.
 inline u32 shortest_timeout(const held_registers& r) { return r.on.response_ms + r.on.quarantine_ms + 50; }
 inline bool is_short(const held_registers& r, const check& c) {
     return r.word(c.of[0]) != 0 && r.word(c.of[0]) < shortest_timeout(r);

@@ -37,7 +37,7 @@ inline std::string text_of(const port_user& u) {
     return (u.name.empty() ? "a program" : u.name) + " (process " + std::to_string(u.pid) + ")";
 }
 
-/// Where to write what lowers a timer, and what it is now.
+/// The timer of a USB adapter, and the file that sets it.
 struct latency_timer {
     std::string path;
     unsigned ms = 0;

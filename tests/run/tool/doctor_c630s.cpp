@@ -108,7 +108,7 @@ constexpr doctored::state<bench> states[] = {
     {"enabled", put<0x3100, 1>, " virtual_input_levels"},
     {"turning", turn, " actual_speed"},
     {"not ready", [](bench& b) { return force<0x1720, 0>(b); }, " virtual_output_levels: S-RDY"},
-    // Of a drive that is enabled that is as it should be.
+    // The brake of an enabled drive is released as it should be.
     {"a brake that is released",
      [](bench& b) { return (b.model.peek(0x3100) & 1) == 0 && force<0x1720, 0x0101>(b); },
      " virtual_output_levels: the brake"},

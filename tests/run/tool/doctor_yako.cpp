@@ -58,7 +58,7 @@ template <class Bench, int From, int To> bool be_beyond(Bench& b) {
            b.model.put(0x0037, {words(To), static_cast<u16>(To & 0xFFFF)}) &&
            b.model.put(0x0039, {words(From), static_cast<u16>(From & 0xFFFF)});
 }
-// What one variant has alone.
+// The states that one variant has alone.
 template <class B> bool is_open_loop(B& b) { return b.model.peek(0) == 2505; }
 template <class B> bool is_closed_loop(B& b) { return !is_open_loop(b); }
 
@@ -194,7 +194,7 @@ TEST_CASE("doctor refuses a YAKO stepper exactly under each other interpretation
     (void)doctored::play_under(of<closed_bench>::states, closed_list, closed_map, choices, make_of, is_open);
 }
 
-// What the rules of inputs say, at each input.
+// Collects the sentences of the rules of inputs, at each input.
 template <class Bench>
 void say_inputs(const tool::diagnosis::check_list& list, const servobus::catalogue& map, unsigned inputs,
                 std::set<std::string>& said) {

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Who has a serial device open, and the latency timer of its adapter, from folders that are made here.
+// The programs that have a serial device open, and the latency timer of its adapter, from folders that are made here.
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
