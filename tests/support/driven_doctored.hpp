@@ -207,7 +207,8 @@ tally play(const state<Bench> (&states)[Count], const check_list& list, const se
     return count;
 }
 
-/// Each state alone, under each of these options. `make_of` takes them, and returns what makes a bench with a new drive.
+/// Each state alone, under each of these options. `make_of` takes them, and returns what makes a bench with a new
+/// drive.
 template <class Bench, std::size_t Count, class Options, std::size_t Sets, class Make>
 tally play_under(const state<Bench> (&states)[Count], const check_list& list, const servobus::catalogue& map,
                  void (*const (&choices)[Sets])(Options&), Make make_of,

@@ -1,9 +1,9 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// The material of `servobus doctor`: the registers of a drive as they were read, and tables of checks over them. A check
-// is a row: how bad it is, the registers, when it applies, why it matters, and what mends it. Nothing here reads or
-// writes, so that a test judges registers that it has made.
+// The material of `servobus doctor`: the registers of a drive as they were read, and tables of checks over them. A
+// check is a row: how bad it is, the registers, when it applies, why it matters, and what mends it. Nothing here reads
+// or writes, so that a test judges registers that it has made.
 //
 //     constexpr check brakes_off[] = {
 //         {matters, {zlac8015d::parking_mode}, is_set, "the wheels cannot be pushed", {.write = "parking_mode=off"}}};

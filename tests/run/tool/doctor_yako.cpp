@@ -155,8 +155,8 @@ constexpr const auto& open_map = yako::open_loop::catalogue;
 template <class Bench> std::unique_ptr<Bench> make() { return std::make_unique<Bench>(yako_options{}); }
 
 // An active input runs the motor. The registers do not tell whether its motion is the one that is under way, and ends
-// for good once it is stopped, or is still to come: then it begins while the drive is taken over. Nor do they tell, while
-// the motor is released, whether it comes once it is enabled, and runs into a limit that releases the motor again.
+// for good once it is stopped, or is still to come: then it begins while the drive is taken over. Nor do they tell,
+// while the motor is released, whether it comes once it is enabled, and runs into a limit that releases the motor.
 bool is_open(const doctored::held_registers& r) {
     const u16 status = r.word(yako::status_word);
     if ((status & (yako::motion_status::moving_bit | yako::motion_status::released_bit)) == 0) return false;
