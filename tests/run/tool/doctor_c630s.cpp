@@ -206,5 +206,24 @@ TEST_CASE("doctor refuses a C630S from the factory, and says what its set-up lac
     CHECK(count.refused == 1);
 }
 
+TEST_CASE("the limits of the checks of a C630S") {
+    const auto held = doctored::read_of(make()->model, list, map);
+    const std::size_t usual = tool::diagnosis::find(list, held).size();
+    struct limit {
+        u16 address;
+        u16 last_good;
+        u16 first_bad;
+    };
+    constexpr limit limits[] = {{0x0C19, 50, 51}, {0x0B00, 2, 3}, {0x0B00, 0xFFFE, 0xFFFD}, {0x0C1A, 1, 2}};
+    for (const limit& l : limits) {
+        CAPTURE(l.address);
+        auto changed = held;
+        changed.put(l.address, l.last_good);
+        CHECK(tool::diagnosis::find(list, changed).size() == usual);
+        changed.put(l.address, l.first_bad);
+        CHECK(tool::diagnosis::find(list, changed).size() == usual + 1);
+    }
+}
+
 } // namespace
 } // namespace doctor_c630s_tests

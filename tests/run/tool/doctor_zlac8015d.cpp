@@ -191,6 +191,40 @@ TEST_CASE("doctor has nothing to say of a ZLAC8015D from the factory") {
     CHECK(tool::diagnosis::find(list, doctored::read_of(b->model, list, map)).empty());
 }
 
+TEST_CASE("the limits of the checks of a ZLAC8015D") {
+    const auto held = doctored::read_of(make()->model, list, map);
+    const auto count_with = [&](u16 address, u16 word) {
+        auto changed = held;
+        changed.put(address, word);
+        return tool::diagnosis::find(list, changed).size();
+    };
+    struct limit {
+        u16 address;
+        u16 last_good;
+        u16 first_bad;
+    };
+    constexpr limit limits[] = {
+        {0x2000, 250, 249},       {0x2000, 1000, 1001},     {0x2022, 1, 0},     {0x2022, 1, 2},
+        {0x20A4, 0x461F, 0x471F}, {0x20A4, 0x1F46, 0x1F47}, {0x20B0, 700, 701}, {0x20A3, 0x0601, 0x0701},
+        {0x20A3, 0x0106, 0x0107}, {0x20A3, 0x0101, 0x0001}, {0x20AB, 20, 21},   {0x20AC, 0xFFEC, 0xFFEB},
+        {0x208E, 120, 121}, // the other wheel has 120
+    };
+    for (const limit& l : limits) {
+        CAPTURE(l.address);
+        CAPTURE(l.first_bad);
+        CHECK(count_with(l.address, l.last_good) == 0);
+        CHECK(count_with(l.address, l.first_bad) == 1);
+    }
+    auto equal = held; // rated and maximum current of both wheels
+    for (const u16 address : {u16{0x2033}, u16{0x2034}, u16{0x2063}, u16{0x2064}}) equal.put(address, 150);
+    CHECK(tool::diagnosis::find(list, equal).empty());
+    equal.put(0x2033, 151);
+    equal.put(0x2063, 151);
+    CHECK(tool::diagnosis::find(list, equal).size() == 2);
+    for (u16 resolution = 1; resolution < 13; ++resolution)
+        CHECK(count_with(0x2022, resolution) == (resolution == 1 ? 0 : 1));
+}
+
 // A watchdog time of 0, and one in which a stop lasts, may refuse an enable: doctor says so, and leaves it open.
 bool is_open(const doctored::held_registers& r) { return r.word(zlac::host_timeout) < 20; }
 
