@@ -125,11 +125,6 @@ int session::check(const arguments& asked, const target& of) {
     return done;
 }
 
-void session::share(const servobus::uart_settings& line, const arguments& asked) {
-    if (!asked.has("baud")) settings_.baud = line.baud;
-    if (!asked.has("format")) settings_.format = line.format;
-}
-
 // A late response must begin within the quarantine, which drops it. A longer timeout means a slower drive, whose
 // responses may be late by as much. A shorter timeout leaves the drive as slow as it is: its own limits still count.
 bool session::check_gaps(const arguments& asked) {

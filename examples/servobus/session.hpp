@@ -114,8 +114,6 @@ class session {
     std::uint32_t baud() const { return settings_.baud; }
     servobus::character_format format() const { return settings_.format; }
     int open(const char* path);
-    /// After `check`: takes the settings of a line with several devices, where the command line gives none.
-    void share(const servobus::uart_settings& line, const arguments& asked);
 
     /// Errors: those of `client::read_words`; `unexpected_value` if the drive's word order is none.
     servobus::status read(const chosen& what, std::span<u16> words);
@@ -145,8 +143,6 @@ class session {
                             std::vector<std::uint8_t>* all = nullptr);
     /// Reads one row once, without a retry.
     servobus::status probe(const servobus::entry& row, servobus::table from);
-    /// What the line is used with.
-    const serial_settings& settings() const { return settings_; }
     servobus::modbus::rtu_timing timing() const { return line_->timing(); }
 
     /// From now on a port that was lost is opened anew, and what cannot have been sent leaves then: a call waits for it

@@ -5,16 +5,11 @@
 // that writes.
 #include <cstdio>
 
-#include <servobus/device/yako/closed_loop_catalogue.hpp>
-#include <servobus/device/yako/open_loop_catalogue.hpp>
-
 #include "../commands.hpp"
-#include "../doctor/c630s.hpp"
 #include "../doctor/device_file.hpp"
+#include "../doctor/examination.hpp"
 #include "../doctor/line_findings.hpp"
 #include "../doctor/reading.hpp"
-#include "../doctor/yako.hpp"
-#include "../doctor/zlac8015d.hpp"
 #include "../os/interrupts.hpp"
 #include "../text/streams.hpp"
 
@@ -23,45 +18,6 @@ namespace {
 
 using diagnosis::check_list;
 using diagnosis::held_registers;
-
-// The checks of a drive, and whether its owner is asked before it is read further: by the registers of `status`.
-struct examination {
-    const servobus::catalogue* map;
-    const check_list* checks;
-    std::span<const u16> status;
-    bool (*must_ask)(const held_registers&) = nullptr;
-};
-
-// Its requests would keep the watchdog of a controller that is dead from stopping it. In torque mode the shafts may
-// read as released [errata B30].
-bool is_watched(const held_registers& r) {
-    namespace zlac = servobus::zlac8015d;
-    const auto status = zlac::status_flags::from_word(r.word(zlac::status_word));
-    const auto is_free = [](zlac::shaft_state s) {
-        return s == zlac::shaft_state::released || s == zlac::shaft_state::alarm;
-    };
-    const bool is_torque = r.word(zlac::mode_of_operation) == static_cast<u16>(zlac::operating_mode::torque);
-    return status.is_running() || !is_free(status.left.shaft) || !is_free(status.right.shaft) || is_torque;
-}
-
-constexpr u16 zlac_status[] = {servobus::zlac8015d::status_word.address,
-                               servobus::zlac8015d::mode_of_operation.address};
-constexpr u16 yako_status[] = {servobus::yako::status_word.address};
-constexpr u16 c630s_status[] = {servobus::c630s::actual_speed.address};
-
-constexpr examination examinations[] = {
-    {&servobus::zlac8015d::catalogue, &diagnosis::zlac8015d_checks, zlac_status, is_watched},
-    {&servobus::yako::closed_loop::catalogue, &diagnosis::yako_closed_loop_checks, yako_status},
-    {&servobus::yako::open_loop::catalogue, &diagnosis::yako_open_loop_checks, yako_status},
-    {&servobus::c630s::catalogue, &diagnosis::c630s_checks, c630s_status},
-};
-
-const examination* examination_of(const device& of) {
-    for (const examination& e : examinations) {
-        if (e.map == of.map) return &e;
-    }
-    return nullptr;
-}
 
 // The options of the line as the command line has them, for the commands that findings name.
 std::string options_of(const arguments& asked) {
@@ -91,16 +47,16 @@ class consultation {
         if (const int status = on_.open(port_.c_str()); status != done) return status;
         if (is_first) diagnosis::judge_port(to_, port_);
         const int status =
-            of_->kind->file != nullptr ? examine_file() : examine_drive(*examination_of(*of_->kind));
+            of_->kind->examination != nullptr ? examine_drive(*of_->kind->examination) : examine_any();
         return streams::flush() ? status : failed;
     }
 
   private:
-    int examine_drive(const examination& e) {
+    int examine_drive(const diagnosis::examination& e) {
         held_registers held;
         const auto first = [&] {
             std::vector<const servobus::entry*> rows;
-            for (const u16 address : e.status) rows.push_back(e.map->find(address));
+            for (const u16 address : e.status) rows.push_back(of_->kind->map->find(address));
             return rows;
         }();
         if (!read(held, first)) return end();
@@ -116,12 +72,13 @@ class consultation {
         }
         judge_line(*first[0], servobus::table::holding_registers);
         held.on = facts_of_line();
-        if (!read(held, diagnosis::rows_of(*e.checks, *e.map), e.checks)) return end();
-        for (const diagnosis::check* c : diagnosis::find(*e.checks, held)) to_.finding(*c, held, *e.map);
+        if (!read(held, diagnosis::rows_of(e.checks, *of_->kind->map), &e.checks)) return end();
+        for (const diagnosis::check* c : diagnosis::find(e.checks, held))
+            to_.finding(*c, held, *of_->kind->map);
         return to_.end(true);
     }
 
-    int examine_file() {
+    int examine_any() {
         const diagnosis::first_row first = diagnosis::first_readable(*of_->kind);
         if (first.row == nullptr) return complain(usage, of_->kind->word() + " has no row that can be read");
         const servobus::status why = on_.probe(*first.row, first.in);
@@ -146,8 +103,8 @@ class consultation {
 
     diagnosis::line_facts facts_of_line() const {
         const bool has_rate = !on_.port().is_network() && !on_.port().ignores_rate();
-        return {.baud = has_rate ? on_.settings().baud : 0,
-                .format = on_.settings().format,
+        return {.baud = has_rate ? on_.baud() : 0,
+                .format = on_.format(),
                 .node = of_->node,
                 .response_ms = of_->facts().limits.response.us / 1000,
                 .quarantine_ms = of_->facts().quarantine.us / 1000};
@@ -239,7 +196,10 @@ int doctor(const arguments& asked) {
         consultation one{asked, (*all)[i], static_cast<unsigned>(all->size()),
                          static_cast<unsigned>(*period)};
         if (const int status = one.line().check(asked, (*all)[i]); status != done) return status;
-        if (shared) one.line().share(*shared, asked);
+        if (shared) {
+            one.line().set_rate(asked.has("baud") ? one.line().baud() : shared->baud,
+                                asked.has("format") ? one.line().format() : shared->format);
+        }
         const int status = one.run(i == 0);
         if (interrupts::came()) return complain(failed, "interrupted");
         result = status == done ? result : status;

@@ -12,7 +12,7 @@
 #include <servobus/device/c630s/terminals.hpp>
 
 #include "c630s_terminals.hpp"
-#include "check.hpp"
+#include "examination.hpp"
 
 namespace tool::diagnosis {
 namespace c630s_rules {
@@ -213,9 +213,12 @@ inline constexpr check table[] = {
 };
 // clang-format on
 
+inline constexpr u16 status[] = {c630s::actual_speed.address};
+
 } // namespace c630s_rules
 
 inline constexpr check_list c630s_checks{c630s_rules::table, c630s_rules::outputs,
                                          c630s_rules::set_up_registers};
+inline constexpr examination c630s_examination{c630s_checks, c630s_rules::status};
 
 } // namespace tool::diagnosis

@@ -21,7 +21,7 @@ std::string ms_text(servobus::duration d) {
 
 std::string setting_of(const session& on) {
     if (on.port().is_network()) return "through the gateway";
-    return "at " + std::to_string(on.settings().baud) + " " + text(on.settings().format);
+    return "at " + std::to_string(on.baud()) + " " + text(on.format());
 }
 
 bool is_damage(errc why) {

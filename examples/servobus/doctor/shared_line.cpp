@@ -7,23 +7,16 @@
 #include <vector>
 
 #include <servobus/client/settings_on_one_line.hpp>
-#include <servobus/device/c630s/values.hpp>
-#include <servobus/device/yako/values.hpp>
-#include <servobus/device/zlac8015d/values.hpp>
 
 #include "line_findings.hpp"
 
 namespace tool::diagnosis {
 namespace {
 
-// A file names the factory's settings alone.
+// A device without choices has the factory's settings alone.
 servobus::device_on_line on_line_of(const target& of) {
     static constexpr servobus::line_choices none{};
-    const std::string name = of.kind->file == nullptr ? of.facts().name : "";
-    if (name == "zlac8015d") return {&of.facts(), &servobus::zlac8015d::device::on_line};
-    if (name == "c630s") return {&of.facts(), &servobus::c630s::device::on_line};
-    if (name.starts_with("yako")) return {&of.facts(), &servobus::yako::device::on_line};
-    return {&of.facts(), &none};
+    return {&of.facts(), of.kind->on_line != nullptr ? of.kind->on_line : &none};
 }
 
 std::string settings_text(std::uint32_t baud, servobus::character_format format) {

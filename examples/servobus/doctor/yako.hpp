@@ -10,7 +10,7 @@
 #include <servobus/device/yako/closed_loop.hpp>
 #include <servobus/device/yako/open_loop.hpp>
 
-#include "check.hpp"
+#include "examination.hpp"
 
 namespace tool::diagnosis {
 namespace yako_rules {
@@ -204,9 +204,13 @@ inline constexpr u16 also[] = {yako::pv_trigger_mode.address};
 inline constexpr auto closed_loop_table = table_of<4>(of_closed_loop);
 inline constexpr auto open_loop_table = table_of<7>(of_open_loop);
 
+inline constexpr u16 status[] = {yako::status_word.address};
+
 } // namespace yako_rules
 
 inline constexpr check_list yako_closed_loop_checks{yako_rules::closed_loop_table, yako_rules::also};
 inline constexpr check_list yako_open_loop_checks{yako_rules::open_loop_table, yako_rules::also};
+inline constexpr examination yako_closed_loop_examination{yako_closed_loop_checks, yako_rules::status};
+inline constexpr examination yako_open_loop_examination{yako_open_loop_checks, yako_rules::status};
 
 } // namespace tool::diagnosis

@@ -9,7 +9,7 @@
 #include <servobus/device/zlac8015d/advice.hpp>
 #include <servobus/device/zlac8015d/catalogue.hpp>
 
-#include "check.hpp"
+#include "examination.hpp"
 
 namespace tool::diagnosis {
 namespace zlac8015d_rules {
@@ -226,8 +226,22 @@ inline constexpr check table[] = {
 };
 // clang-format on
 
+// The requests of a doctor would keep the watchdog of a controller that is dead from stopping the wheels. In torque mode
+// the shafts may read as released [errata B30].
+inline bool is_watched(const held_registers& r) {
+    const auto is_free = [](zlac::shaft_state s) {
+        return s == zlac::shaft_state::released || s == zlac::shaft_state::alarm;
+    };
+    const bool is_torque = r.word(zlac::mode_of_operation) == static_cast<u16>(zlac::operating_mode::torque);
+    return status_of(r).is_running() || !is_free(status_of(r).left.shaft) ||
+           !is_free(status_of(r).right.shaft) || is_torque;
+}
+inline constexpr u16 status[] = {zlac::status_word.address, zlac::mode_of_operation.address};
+
 } // namespace zlac8015d_rules
 
 inline constexpr check_list zlac8015d_checks{zlac8015d_rules::table};
+inline constexpr examination zlac8015d_examination{zlac8015d_checks, zlac8015d_rules::status,
+                                                   zlac8015d_rules::is_watched};
 
 } // namespace tool::diagnosis
