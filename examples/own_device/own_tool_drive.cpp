@@ -15,6 +15,7 @@
 #include "../servobus/devices/at_rest.hpp"
 #include "../servobus/devices/registered_drive.hpp"
 #include "../servobus/devices/served.hpp"
+#include "../servobus/doctor/examination.hpp"
 #include "own_device.hpp"
 #include "own_simulator.hpp"
 
@@ -72,8 +73,34 @@ bool stops_it(std::uint16_t address, std::uint16_t word) {
     return address == control_word.address && word <= static_cast<std::uint16_t>(control_code::hold);
 }
 
-const tool::registered_drive of_winch{
-    {.map = catalogue, .simulate = simulate, .alarms = alarms, .at_rest = at_rest, .stops = stops_it}};
+// --- What keeps it from turning, for `doctor`; without it doctor says of it what it says of any device
+
+namespace doctor = tool::diagnosis;
+bool is_energised(const doctor::held_registers& r, const doctor::check&) {
+    return (r.word(status_word) & status_bits::energised) != 0;
+}
+constexpr doctor::check checks[] = {
+    {doctor::refuses,
+     {fault},
+     doctor::is_set,
+     "the winch is not energised while it has a fault",
+     {.act = "mend its cause", .write = "control_word=clear_fault"}},
+    {doctor::matters, {limit}, doctor::is_zero, "the motor gets no current", {.write = "limit=10"}},
+    {doctor::matters,
+     {status_word},
+     is_energised,
+     "another program commands the winch, or has left it so",
+     {.write = "control_word=off"}},
+};
+constexpr std::uint16_t read_first[] = {status_word.address};
+constexpr doctor::examination examination{{checks}, read_first};
+
+const tool::registered_drive of_winch{{.map = catalogue,
+                                       .simulate = simulate,
+                                       .alarms = alarms,
+                                       .at_rest = at_rest,
+                                       .stops = stops_it,
+                                       .examination = &examination}};
 
 } // namespace
 } // namespace winch

@@ -98,6 +98,13 @@ constexpr option listen_options[] = {
      "appends the frames to FILE in the form that explain reads; times and what is wrong are comments"},
 };
 
+constexpr option doctor_options[] = {
+    {"period", "MS",
+     "how often a program is to send a setpoint and read feedback of each DEVICE: whether the line allows "
+     "it"},
+    {"yes", "", "does not ask; without it standard input must say read, if a zlac8015d is enabled"},
+};
+
 constexpr option restore_options[] = {
     {"dry-run", "", "shows what differs and writes nothing"},
     {"yes", "", "does not ask; without it standard input must say restore"},
@@ -222,6 +229,26 @@ constexpr command table[] = {
      .options = listen_options,
      .run = listen,
      .takes_raw = true},
+    {.name = "doctor",
+     .words = "PORT DEVICE[:NODE]...",
+     .summary = "what keeps a drive from turning",
+     .about = "Reads and explains, and never writes. A line a finding: refused (an enable does not succeed), "
+              "matters "
+              "(the motor does not turn, or otherwise than meant) or unread, then the registers with their "
+              "values, why, "
+              "and after -> what mends it. Lines that begin with line are about the port and the line: "
+              "response times, the "
+              "USB adapter's latency timer, other programs on the port, what several devices have to share. "
+              "Of a device "
+              "from a file: rows that it does not give, values outside their range (matters), and values "
+              "that differ from "
+              "their default (differs). Status 1 where an enable would be refused, or there is no "
+              "response.\n\nA request "
+              "feeds the watchdog of a zlac8015d. So it reads the status and the mode, and asks before it "
+              "goes on if the drive is enabled.",
+     .options = doctor_options,
+     .shared = line_only,
+     .run = doctor},
     {.name = "backup",
      .words = "PORT DEVICE[:NODE] [FILE]",
      .summary = "a drive's parameters to a file",

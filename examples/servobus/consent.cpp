@@ -11,16 +11,16 @@
 
 namespace tool {
 
-int ask_consent(const arguments& asked, const std::string& verb) {
+int ask_consent(const arguments& asked, const std::string& verb, const char* to_do, const char* refusal) {
     if (asked.has("yes")) return done;
     if (!streams::flush()) return failed;
-    (void)std::fprintf(stderr, "Type %s to write: ", verb.c_str());
+    (void)std::fprintf(stderr, "Type %s to %s: ", verb.c_str(), to_do);
     (void)std::fflush(stderr);
     std::string answer;
     if (!std::getline(std::cin, answer)) (void)std::fputs("\n", stderr);
     if (answer.ends_with('\r')) answer.pop_back(); // from a console of Windows
     if (answer == verb) return done;
-    return complain(failed, "not confirmed, nothing was written; --yes does it without a question");
+    return complain(failed, std::string{refusal} + "; --yes does it without a question");
 }
 
 std::string peril(const target& of, const chosen& what, std::span<const u16> words) {

@@ -141,6 +141,9 @@ class session {
     /// For a port with a line of its own.
     std::size_t count_after(servobus::bytes frame, servobus::duration time,
                             std::vector<std::uint8_t>* all = nullptr);
+    /// Reads one row once, without a retry.
+    servobus::status probe(const servobus::entry& row, servobus::table from);
+    servobus::modbus::rtu_timing timing() const { return line_->timing(); }
 
     /// From now on a port that was lost is opened anew, and what cannot have been sent leaves then: a call waits for it
     /// for `patience`. Says so on standard error.

@@ -77,6 +77,14 @@ servobus::status session::read_repeated(u16 address, std::span<u16> words, servo
     }
 }
 
+servobus::status session::probe(const servobus::entry& row, servobus::table from) {
+    std::array<u16, 2> words{};
+    const std::uint8_t retries = std::exchange(retries_, std::uint8_t{0});
+    const servobus::status why = read_raw(row.address, std::span<u16>{words}.first(row.words()), from);
+    retries_ = retries;
+    return why;
+}
+
 // The first request of a session waits for the drive's own quarantine alone, so that a long --timeout delays no start.
 void session::note_request(servobus::status why) {
     client_->node().gaps.quarantine = later_quarantine_;

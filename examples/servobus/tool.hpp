@@ -84,6 +84,9 @@ struct simulation {
 
 class session;
 class probe_bench;
+namespace diagnosis {
+struct examination;
+}
 
 /// Whether a drive's parameters may be changed now.
 struct repose {
@@ -139,7 +142,9 @@ struct device {
     turned_shafts (*turning)(session&) = nullptr;
     /// Where its rate and format are set; null: nothing says it.
     const servobus::line_choices* on_line = nullptr;
-    u16 node_register = 0;      ///< where its address is set; 0: nothing says it
+    u16 node_register = 0; ///< where its address is set; 0: nothing says it
+    /// The checks of `doctor`; null: those of any device.
+    const diagnosis::examination* examination = nullptr;
     const char* file = nullptr; ///< its path; null for a drive that the tool knows
     bool has_flags = true;      ///< false: nothing says which registers move a machine
     /// Points to the tables of a file, in the order of `servobus::table`; null for a drive that the tool knows, whose rows are
@@ -186,7 +191,8 @@ struct device_word {
 device_word split_device(std::string_view text);
 
 /// Returns `done` with `--yes`, or once a person has typed `verb`; else complains by itself.
-int ask_consent(const arguments& asked, const std::string& verb);
+int ask_consent(const arguments& asked, const std::string& verb, const char* to_do = "write",
+                const char* refusal = "not confirmed, nothing was written");
 
 // The commands, one a file of commands/. Their options are those of their rows in commands.cpp.
 int map(const arguments& asked);
@@ -204,6 +210,7 @@ int diff(const arguments& asked);
 int turn(const arguments& asked);
 int probe(const arguments& asked);
 int listen(const arguments& asked);
+int doctor(const arguments& asked);
 int header(const arguments& asked);
 int completion(const arguments& asked);
 int manual(const arguments& asked);

@@ -22,6 +22,7 @@ def consent(job: Job):
 @scene()
 def whole_job(job: Job):
     with job.simulated(DEVICE) as drive:
+        job.doctor_says("doctor refuses a drive that is not set up", DEVICE, 1)
         job.ends(job.begin(drive))
         job.status_is("the program runs to its end", 0)
         ends = re.findall(r"^.*  0\.0 r/min *10000 units.*$", job.last.out, re.M)
@@ -29,6 +30,7 @@ def whole_job(job: Job):
         job.check("the motor is at rest", job.last.out.count("the motor is at rest") == 1)
         job.is_value("G17: writes are not kept any more", DEVICE, "eeprom_update", "off (0x0000)")
         job.is_value("servo off", DEVICE, "virtual_input_levels", SERVO_OFF)
+        job.doctor_says("doctor refuses nothing once it is set up", DEVICE, 0)
 
 
 @scene(signal.SIGINT, signal.SIGTERM)

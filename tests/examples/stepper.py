@@ -38,6 +38,7 @@ def consent(job: Job):
 @scene()
 def whole_job(job: Job):
     with job.simulated(DEVICE) as drive:
+        job.doctor_says("doctor refuses nothing", DEVICE, 0)
         job.ends(job.begin(drive))
         job.status_is("it homes, positions, creeps and stops", 0)
         job.check("and says that the axis is at rest", job.last.out.count("the axis is at rest") == 1)

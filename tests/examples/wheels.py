@@ -23,11 +23,23 @@ def consent(job: Job):
 @scene()
 def whole_job(job: Job):
     with job.simulated(DEVICE) as drive:
+        job.doctor_says("doctor refuses nothing", DEVICE, 0)
         job.ends(job.begin(drive))
         job.status_is("the whole job", 0)
         # Whether a sign is forward depends on how the motors are mounted, and a fraction of a turn on the encoder.
         claims = re.findall("on the spot|forward|half a turn|quarter", job.last.out + job.last.err)
         job.check("no direction of a robot and no fraction of a turn is claimed", not claims, claims)
+
+
+@scene("input_polarity=x0", "input_polarity=x1 x1_function=9")
+def refused_as_doctor_says(job: Job, write: str):
+    """An emergency stop is active."""
+    with job.simulated(DEVICE) as drive:
+        job.run(f"write drive {DEVICE} {write}")
+        job.doctor_says("doctor refuses an enable", DEVICE, 1)
+        job.ends(job.begin(drive))
+        job.status_is("and the program cannot enable the drive", 1)
+        job.err_has("as its error says", "the expected state was not reached")
 
 
 @scene(signal.SIGINT, signal.SIGTERM)

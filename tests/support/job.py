@@ -39,6 +39,10 @@ class Job(Tool):
     def is_value(self, name: str, device: str, register: str, expected: str):
         self.is_equal(name, self.value(device, register), expected)
 
+    def doctor_says(self, name: str, device: str, status: int):
+        """What `servobus doctor` judges of the drive, before or after the program enables it."""
+        self.is_equal(name, self.start(f"doctor drive {device} --yes").wait().status, status)
+
     def interrupted(self, name: str, program: Running, number: int):
         self.ends(program, number)
         self.status_is(name, 1)

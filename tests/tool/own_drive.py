@@ -46,4 +46,21 @@ def moves(tool: Tool):
         tool.says("and back", f"read drive winch:5 ramp {line}", "ramp=500 ms")
 
 
+@scene()
+def examined(tool: Tool):
+    """Its own checks for doctor, as a table."""
+    line = "--format 8N1"
+    with tool.simulated("winch --node 5"):
+        tool.run(f"doctor drive winch:5 {line}")
+        tool.check("nothing is found", tool.last.status == 0 and "winch:5: nothing refuses an enable" in tool.last.out,
+                   tool.found())
+        tool.run(f"write drive winch:5 limit=0 control_word=hold --yes {line}")
+        tool.run(f"doctor drive winch:5 {line}")
+        tool.status_is("what matters is no refusal", 0)
+        tool.out_has("a row of its table", "matters  limit=0.0 A: the motor gets no current -> servobus write drive winch:5 "
+                                           "limit=10 --format 8N1")
+        tool.out_has("and another", "matters  status_word=energised (0x0001): another program commands the winch")
+        tool.out_has("and the sum", "winch:5: nothing refuses an enable; 2 findings matter")
+
+
 play_tool()

@@ -12,7 +12,7 @@
 namespace tool {
 namespace {
 
-constexpr std::int64_t tolerance = 20; // a hand is right within a part of 20 of a turn
+constexpr std::int64_t part_of_a_turn = 20; // a hand is right within a part of 20 of a turn
 
 // Reads the positions of all shafts. Returns `done`, or the exit status after a complaint.
 int read_positions(session& on, const target& of, const turned_shafts& shafts, std::vector<u32>& positions) {
@@ -39,7 +39,7 @@ bool judge(const turned_shaft& s, std::int64_t counts, std::int64_t turns) {
         return true;
     }
     const std::int64_t apart = size - s.counts * turns;
-    const bool is_so = (apart < 0 ? -apart : apart) * tolerance <= s.counts;
+    const bool is_so = (apart < 0 ? -apart : apart) * part_of_a_turn <= s.counts;
     std::printf("; %s is %lld%s\n", s.where_said, static_cast<long long>(s.counts),
                 is_so ? "" : ", which is not so");
     return is_so;

@@ -11,6 +11,7 @@
 #include <servobus/device/c630s/catalogue.hpp>
 #include <servobus/device/c630s/registers.hpp>
 
+#include "../doctor/c630s.hpp"
 #include "../parameters.hpp"
 #include "../probe/c630s.hpp"
 #include "../probe/c630s_switches.hpp"
@@ -128,7 +129,8 @@ const registered_drive of_c630s{{.map = servobus::c630s::catalogue,
                                  .version_register = servobus::c630s::software_version.address,
                                  .turning = c630s_turning,
                                  .on_line = &servobus::c630s::device::on_line,
-                                 .node_register = servobus::c630s::node_address.address}};
+                                 .node_register = servobus::c630s::node_address.address,
+                                 .examination = &diagnosis::c630s_examination}};
 
 } // namespace
 } // namespace tool

@@ -43,6 +43,7 @@ struct known_drive {
     turned_shafts (*turning)(session&) = nullptr;
     const servobus::line_choices* on_line = nullptr;
     u16 node_register = 0;
+    const diagnosis::examination* examination = nullptr;
 
     constexpr operator device() const { // NOLINT: implicit, a row is a device
         return {.map = map.get(),
@@ -59,7 +60,8 @@ struct known_drive {
                 .version_register = version_register,
                 .turning = turning,
                 .on_line = on_line,
-                .node_register = node_register};
+                .node_register = node_register,
+                .examination = examination};
     }
 };
 

@@ -11,6 +11,7 @@
 #include <servobus/device/yako/feedback.hpp>
 #include <servobus/device/yako/open_loop_catalogue.hpp>
 
+#include "../doctor/yako.hpp"
 #include "../probe/yako.hpp"
 #include "../probe/yako_switches.hpp"
 #include "at_rest.hpp"
@@ -75,7 +76,8 @@ const registered_drive of_yako_closed_loop{{.map = servobus::yako::closed_loop::
                                             .version_register = servobus::yako::drive_version.address,
                                             .turning = yako_turning,
                                             .on_line = &servobus::yako::device::on_line,
-                                            .node_register = servobus::yako::node_address.address}};
+                                            .node_register = servobus::yako::node_address.address,
+                                            .examination = &diagnosis::yako_closed_loop_examination}};
 const registered_drive of_yako_open_loop{{.map = servobus::yako::open_loop::catalogue,
                                           .simulate = simulate_yako_open_loop,
                                           .alarms = yako_alarms,
@@ -89,7 +91,8 @@ const registered_drive of_yako_open_loop{{.map = servobus::yako::open_loop::cata
                                               },
                                           .version_register = servobus::yako::drive_version.address,
                                           .on_line = &servobus::yako::device::on_line,
-                                          .node_register = servobus::yako::node_address.address}};
+                                          .node_register = servobus::yako::node_address.address,
+                                          .examination = &diagnosis::yako_open_loop_examination}};
 
 } // namespace
 } // namespace tool

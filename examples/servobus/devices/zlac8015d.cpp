@@ -8,6 +8,7 @@
 #include <servobus/device/zlac8015d/catalogue.hpp>
 #include <servobus/device/zlac8015d/registers.hpp>
 
+#include "../doctor/zlac8015d.hpp"
 #include "../probe/zlac8015d.hpp"
 #include "../probe/zlac8015d_switches.hpp"
 #include "at_rest.hpp"
@@ -97,7 +98,8 @@ const registered_drive of_zlac8015d{{.map = servobus::zlac8015d::catalogue,
                                      .version_register = servobus::zlac8015d::software_version.address,
                                      .turning = zlac8015d_turning,
                                      .on_line = &servobus::zlac8015d::device::on_line,
-                                     .node_register = servobus::zlac8015d::node_address.address}};
+                                     .node_register = servobus::zlac8015d::node_address.address,
+                                     .examination = &diagnosis::zlac8015d_examination}};
 
 } // namespace
 } // namespace tool

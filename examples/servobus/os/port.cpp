@@ -9,6 +9,7 @@
 
 #include "../text/log_line.hpp"
 #include "../tool.hpp"
+#include "port_users.hpp"
 
 namespace tool {
 namespace {
@@ -56,7 +57,12 @@ int complain_of(const char* name, const std::string& why) {
 int open_serial(native::serial& port, const char* name, const serial_settings& settings) {
     const errc why = port.open(name, settings);
     if (why == errc::ok) return done;
-    if (why == errc::busy) return complain_of(name, os::busy_text);
+    if (why == errc::busy) {
+        std::string users;
+        for (const os::port_user& u : os::users_of(name))
+            users += (users.empty() ? ": " : ", ") + os::text_of(u);
+        return complain_of(name, os::busy_text + users);
+    }
     const int error = static_cast<int>(port.os_error());
     if (why == errc::bad_argument)
         return complain_of(name, "no serial device, or not with these settings: " + os::error_text(error));
@@ -228,6 +234,8 @@ servobus::transfer any_port::send(servobus::bytes out) {
         request_.assign(out.begin(), out.end());
         came_.clear();
         response_.clear();
+        sent_at_.reset();
+        answered_at_.reset();
         is_fresh_ = false;
         if (auto* modbus_tcp = std::get_if<mbap>(&port_)) modbus_tcp->stream().came.clear();
     }
@@ -235,7 +243,14 @@ servobus::transfer any_port::send(servobus::bytes out) {
     return took;
 }
 bool any_port::sent() {
-    return std::visit([](auto& p) { return p.sent(); }, port_);
+    const bool is_sent = std::visit([](auto& p) { return p.sent(); }, port_);
+    if (is_sent && left_to_send_ == 0 && !sent_at_) sent_at_ = now();
+    return is_sent;
+}
+std::optional<servobus::duration> any_port::response_time() const {
+    if (!sent_at_ || !answered_at_) return std::nullopt;
+    return servobus::went_back(*sent_at_, *answered_at_) ? servobus::duration{}
+                                                         : servobus::since(*sent_at_, *answered_at_);
 }
 servobus::transfer any_port::receive(servobus::byte_buffer in) {
     const servobus::transfer t = receive_now(in);
@@ -252,6 +267,8 @@ servobus::transfer any_port::receive_now(servobus::byte_buffer in) {
     const servobus::transfer t = std::visit([&](auto& p) { return p.receive(in); }, port_);
     if (!t) return t;
     keep(response_, in, *t);
+    const std::size_t echo = removes_echo_ ? request_.size() : 0;
+    if (!answered_at_ && response_.size() > echo) answered_at_ = now();
     has_answered_ = has_answered_ || (*t != 0 && is_answered());
     if (!std::holds_alternative<mbap>(port_)) keep(came_, in, *t);
     return t;

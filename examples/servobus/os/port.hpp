@@ -70,6 +70,8 @@ class any_port {
     /// What the bytes that came since the last request show of its failure: the request's own echo, a gateway of
     /// another protocol, bytes that are no response of the node. Empty if they show nothing more than `why`.
     std::string diagnosis(servobus::status why) const;
+    /// How long the last response took to begin after its request had left; none if no response came.
+    std::optional<servobus::duration> response_time() const;
 
     servobus::transfer send(servobus::bytes out);
     bool sent();
@@ -95,6 +97,8 @@ class any_port {
     bool is_fresh_ = false;     ///< no request has left on this connection
     bool has_answered_ = false; ///< there was a response
     unsigned connections_ = 0;
+    std::optional<servobus::instant> sent_at_{};
+    std::optional<servobus::instant> answered_at_{}; ///< the first byte that is not the local echo
     std::vector<std::uint8_t> response_{}; ///< what the line has got since the request began to leave
     bool removes_echo_ = false;
     std::uint8_t peer_unit_ = servobus::modbus::peer_address;

@@ -9,10 +9,11 @@ namespace tool {
 constinit const std::string_view purpose = "motor drives on Modbus RTU, from the command line";
 
 constinit const std::string_view exit_status = "0 done; 1 refused, unknown, no response, no such port "
-                                               "(explain: a line that is no valid frame), or standard "
-                                               "output or FILE could not be written, or standard input "
-                                               "not be read; 2 bad input, nothing was sent. Standard "
-                                               "error says why in one line.";
+                                               "(explain: a line that is no valid frame; doctor: an "
+                                               "enable would be refused, which standard output says), "
+                                               "or standard output or FILE could not be written, or "
+                                               "standard input not be read; 2 bad input, nothing was "
+                                               "sent. Standard error says why in one line.";
 
 std::span<const topic> topics() {
     static constexpr topic all[] = {

@@ -1,0 +1,210 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// servobus doctor: what keeps a drive from turning, or makes it turn otherwise than meant. It reads, and has no call
+// that writes.
+#include <cstdio>
+
+#include "../commands.hpp"
+#include "../doctor/device_file.hpp"
+#include "../doctor/examination.hpp"
+#include "../doctor/line_findings.hpp"
+#include "../doctor/reading.hpp"
+#include "../os/interrupts.hpp"
+#include "../text/streams.hpp"
+
+namespace tool {
+namespace {
+
+using diagnosis::check_list;
+using diagnosis::held_registers;
+
+// The options of the line as the command line has them, for the commands that findings name.
+std::string options_of(const arguments& asked) {
+    std::string all;
+    for (const option& o : find_command("doctor")->shared[0]->options) {
+        const char* const value = asked.text(o.name);
+        if (value != nullptr && o.name != "echo") all += " --" + std::string{o.name} + ' ' + value;
+    }
+    return asked.on_or_off("echo").value_or(false) ? all + " --echo on" : all;
+}
+
+bool is_refusal(const servobus::status& why) {
+    return why.error() == servobus::errc::exception || why.error() == servobus::errc::unexpected_value;
+}
+
+// One device on the line.
+class consultation {
+  public:
+    consultation(const arguments& asked, const target& of, unsigned devices, unsigned period_ms)
+        : asked_{&asked}, of_{&of}, port_{asked.words()[0]},
+          to_{port_, of.kind->word() + ':' + std::to_string(of.node), options_of(asked)}, devices_{devices},
+          period_ms_{period_ms} {}
+
+    session& line() { return on_; }
+
+    int run(bool is_first) {
+        if (const int status = on_.open(port_.c_str()); status != done) return status;
+        if (is_first) diagnosis::judge_port(to_, port_);
+        const int status =
+            of_->kind->examination != nullptr ? examine_drive(*of_->kind->examination) : examine_any();
+        return streams::flush() ? status : failed;
+    }
+
+  private:
+    int examine_drive(const diagnosis::examination& e) {
+        held_registers held;
+        const auto first = [&] {
+            std::vector<const servobus::entry*> rows;
+            for (const u16 address : e.status) rows.push_back(of_->kind->map->find(address));
+            return rows;
+        }();
+        if (!read(held, first)) return end();
+        if (e.must_ask != nullptr && e.must_ask(held)) {
+            note("warning: " + of_->kind->word() + ':' + std::to_string(of_->node) +
+                 " is enabled, and each request feeds its watchdog: the wheels may run on though their "
+                 "controller is "
+                 "dead");
+            if (const int status =
+                    ask_consent(*asked_, "read", "go on", "not confirmed, nothing more was read");
+                status != done)
+                return status;
+        }
+        judge_line(*first[0], servobus::table::holding_registers);
+        held.on = facts_of_line();
+        if (!read(held, diagnosis::rows_of(e.checks, *of_->kind->map), &e.checks)) return end();
+        for (const diagnosis::check* c : diagnosis::find(e.checks, held))
+            to_.finding(*c, held, *of_->kind->map);
+        return to_.end(true);
+    }
+
+    int examine_any() {
+        const diagnosis::first_row first = diagnosis::first_readable(*of_->kind);
+        if (first.row == nullptr) return complain(usage, of_->kind->word() + " has no row that can be read");
+        const servobus::status why = on_.probe(*first.row, first.in);
+        if (!why.has_response()) {
+            diagnosis::explain_silence(to_, port_, *of_, why, on_);
+            return to_.end(false);
+        }
+        judge_line(*first.row, first.in);
+        const servobus::status ended = diagnosis::judge_rows(to_, on_, *of_);
+        if (interrupts::came()) return failed;
+        if (ended.error() != servobus::errc::ok) diagnosis::explain_silence(to_, port_, *of_, ended, on_);
+        return to_.end(false);
+    }
+
+    // An interruption ends it without a result.
+    int end() { return interrupts::came() ? failed : to_.end(true); }
+
+    void judge_line(const servobus::entry& row, servobus::table from) {
+        const diagnosis::response_times took = diagnosis::judge_responses(to_, on_, row, from);
+        diagnosis::judge_period(to_, on_, took, devices_, period_ms_);
+    }
+
+    diagnosis::line_facts facts_of_line() const {
+        const bool has_rate = !on_.port().is_network() && !on_.port().ignores_rate();
+        return {.baud = has_rate ? on_.baud() : 0,
+                .format = on_.format(),
+                .node = of_->node,
+                .response_ms = of_->facts().limits.response.us / 1000,
+                .quarantine_ms = of_->facts().quarantine.us / 1000};
+    }
+
+    // False if the device does not respond, which is reported; what it refuses is reported and left out.
+    bool read(held_registers& held, std::span<const servobus::entry* const> rows,
+              const check_list* list = nullptr) {
+        const auto ask = [&](std::span<const servobus::entry* const> some, std::span<u16> words) {
+            if (interrupts::came()) return servobus::status{servobus::errc::port_lost};
+            return on_.read(some, words);
+        };
+        for (const diagnosis::unread& u : diagnosis::read_into(held, rows, of_->facts().max_read, ask)) {
+            if (interrupts::came()) return false;
+            if (!is_refusal(u.why) || list == nullptr) {
+                diagnosis::explain_silence(to_, port_, *of_, u.why, on_);
+                return false;
+            }
+            to_.unread(std::string{static_cast<const char*>(u.row->name)} + ": " + why_text(*of_, u.why, on_),
+                       decides(*list, u.row->address));
+        }
+        return true;
+    }
+    static bool decides(const check_list& list, u16 address) {
+        for (const diagnosis::check& c : list.checks) {
+            for (const u16 watched : c.of.all()) {
+                if (c.is == diagnosis::refuses && watched == address) return true;
+            }
+        }
+        for (const u16 one : list.needed) {
+            if (one == address) return true;
+        }
+        return false;
+    }
+
+    const arguments* asked_;
+    const target* of_;
+    std::string port_;
+    session on_;
+    diagnosis::report to_;
+    unsigned devices_;
+    unsigned period_ms_;
+};
+
+// Complains by itself.
+std::optional<std::vector<target>> parse_targets(const arguments& asked) {
+    std::vector<target> all;
+    for (std::size_t i = 1; i < asked.words().size(); ++i) {
+        const std::optional<target> of = parse_target(asked.words()[i]);
+        if (!of) return std::nullopt;
+        if (of->kind == nullptr) {
+            complain(usage, "doctor needs a device with a map, not raw");
+            return std::nullopt;
+        }
+        for (const target& other : all) {
+            if (other.node != of->node) continue;
+            complain(usage, "two devices at node " + std::to_string(of->node) +
+                                ": name their addresses, DEVICE:NODE");
+            return std::nullopt;
+        }
+        all.push_back(*of);
+    }
+    return all;
+}
+
+} // namespace
+
+int doctor(const arguments& asked) {
+    if (asked.words().size() < 2) return complain(usage, "doctor takes PORT DEVICE[:NODE]...");
+    const std::optional<std::vector<target>> all = parse_targets(asked);
+    if (!all) return usage;
+    if (all->size() > diagnosis::most_devices)
+        return complain(usage,
+                        "doctor takes at most " + std::to_string(diagnosis::most_devices) + " devices");
+    const auto period = asked.number("period", 1, 60'000, 0);
+    if (!period) return usage;
+    for (const target& of : *all) { // before anything is opened
+        session checked;
+        if (const int status = checked.check(asked, of); status != done) return status;
+    }
+    interrupts::arm();
+    std::optional<servobus::uart_settings> shared;
+    if (all->size() > 1 && !any_port::is_network(asked.words()[0])) {
+        shared = diagnosis::judge_shared_line(*all);
+        if (!shared) return failed;
+    }
+    int result = done;
+    for (std::size_t i = 0; i < all->size(); ++i) {
+        consultation one{asked, (*all)[i], static_cast<unsigned>(all->size()),
+                         static_cast<unsigned>(*period)};
+        if (const int status = one.line().check(asked, (*all)[i]); status != done) return status;
+        if (shared) {
+            one.line().set_rate(asked.has("baud") ? one.line().baud() : shared->baud,
+                                asked.has("format") ? one.line().format() : shared->format);
+        }
+        const int status = one.run(i == 0);
+        if (interrupts::came()) return complain(failed, "interrupted");
+        result = status == done ? result : status;
+    }
+    return result;
+}
+
+} // namespace tool

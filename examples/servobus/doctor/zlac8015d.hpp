@@ -1,0 +1,247 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// The table of what keeps the wheels of a ZLAC8015D from turning, or makes them turn otherwise than meant. A row
+// refuses an enable exactly where the facade's `init` and `enable` do not succeed. Source: RS485 manual V1.07,
+// chapters 3 and 4; [errata Bn] are in device/errata.md.
+#pragma once
+
+#include <servobus/device/zlac8015d/advice.hpp>
+#include <servobus/device/zlac8015d/catalogue.hpp>
+
+#include "examination.hpp"
+
+namespace tool::diagnosis {
+namespace zlac8015d_rules {
+
+namespace zlac = servobus::zlac8015d;
+
+inline constexpr auto emergency = static_cast<u16>(zlac::input_function::emergency_stop);
+
+// Every fault of a wheel, with the manual's words.
+inline std::string faults_in_words(const held_registers& r, const check& c) {
+    std::string all;
+    for (unsigned bit = 1; bit < 0x10000u; bit <<= 1) {
+        if ((r.word(c.of[0]) & bit) == 0) continue;
+        const servobus::advice what = zlac::advice_for(static_cast<zlac::fault>(bit));
+        all += std::string{all.empty() ? "" : " "} + what.cause;
+        if (what.remedy != servobus::not_in_manual) all += std::string{" "} + what.remedy;
+    }
+    return all;
+}
+
+inline zlac::status_flags status_of(const held_registers& r) {
+    return zlac::status_flags::from_word(r.word(zlac::status_word));
+}
+inline bool is_either(const held_registers& r, zlac::shaft_state s) {
+    return status_of(r).left.shaft == s || status_of(r).right.shaft == s;
+}
+// An alarm without a code, which no other row shows.
+inline bool is_in_alarm(const held_registers& r, const check& c) {
+    const bool has_code = r.word(c.of[1]) != 0 || r.word(c.of[2]) != 0;
+    return is_either(r, zlac::shaft_state::alarm) && !has_code;
+}
+
+// `value`: the input's bit in 2003h and 2016h.
+inline bool is_stop_active(const held_registers& r, const check& c) {
+    return r.word(c.of[0]) == emergency && ((r.word(c.of[1]) ^ r.word(c.of[2])) & c.value) != 0;
+}
+inline std::string other_polarity(const held_registers& r, const check& c) {
+    return "input_polarity=" + hex_of(static_cast<u16>(r.word(c.of[2]) ^ c.value));
+}
+
+inline bool is_no_resolution(const held_registers& r, const check& c) {
+    return !zlac::speed_resolution.limits.contains(r.word(c.of[0]));
+}
+inline bool is_fine_resolution(const held_registers& r, const check& c) {
+    return r.word(c.of[0]) > 1 && !is_no_resolution(r, c);
+}
+
+// The time of a lost response is its limit and the quarantine. A setpoint every 50 ms is due then.
+inline u32 shortest_timeout(const held_registers& r) { return r.on.response_ms + r.on.quarantine_ms + 50; }
+inline bool is_short(const held_registers& r, const check& c) {
+    return r.word(c.of[0]) != 0 && r.word(c.of[0]) < shortest_timeout(r);
+}
+inline std::string shortest_in_words(const held_registers& r, const check&) {
+    return "A program with the usual limits needs at least " + std::to_string(shortest_timeout(r)) + " ms.";
+}
+
+inline bool is_turning(const held_registers& r, const check&) {
+    constexpr int slowest = 20; // 0.1 r/min: a servo at rest trembles
+    const auto turns = [&](int count) { return count > slowest || count < -slowest; };
+    return status_of(r).is_running() || turns(r.number(zlac::left_actual_speed)) ||
+           turns(r.number(zlac::right_actual_speed));
+}
+inline bool is_held(const held_registers& r, const check& c) {
+    const bool is_held_now =
+        is_either(r, zlac::shaft_state::locked) || is_either(r, zlac::shaft_state::emergency_stop);
+    return is_held_now && !is_turning(r, c);
+}
+
+inline bool has_wrong_hall(const held_registers& r, const check&) {
+    const auto h = zlac::hall_inputs::from_word(r.word(zlac::hall_state));
+    const auto is_wrong = [](unsigned state) { return state == 0 || state >= 7; };
+    return is_wrong(h.left) || is_wrong(h.right);
+}
+
+constexpr int margin = 10; // degC below the limit
+// `value`: 0 for the left motor, 1 for the right one.
+inline bool is_motor_hot(const held_registers& r, const check& c) {
+    const auto t = zlac::motor_temperatures::from_word(r.word(zlac::motor_temperature));
+    return 10 * ((c.value == 0 ? t.left : t.right) + margin) > r.word(c.of[1]);
+}
+inline bool is_drive_hot(const held_registers& r, const check& c) {
+    return r.number(zlac::driver_temperature) + 10 * margin > r.word(c.of[1]);
+}
+
+inline std::string right_as_left(const held_registers& r, const check& c) {
+    const servobus::entry* const row = servobus::zlac8015d::catalogue.find(c.of[1]);
+    return std::string{static_cast<const char*>(row->name)} + "=" + hex_of(r.word(c.of[0]));
+}
+
+// clang-format off
+inline constexpr const char* fault_refuses   = "the drive is not enabled while a wheel has a fault";
+inline constexpr const char* stop_refuses    = "an emergency stop is active, and the drive ignores an enable";
+inline constexpr const char* unlike =
+    "the wheels are unlike: the robot turns where it should run straight, or one wheel stops first";
+inline constexpr mend reset_fault            {.act = "mend the cause", .write = "control_word=fault_reset"};
+inline constexpr mend release_stop {.act = "release the stop; or, if its contact opens to stop",
+                                    .compose = other_polarity};
+inline constexpr mend make_alike             {.act = "if the motors are alike", .compose = right_as_left};
+
+inline constexpr check table[] = {
+    // Severity, registers, condition, why it matters, what mends it
+    {refuses, {zlac::left_faults}, is_set,
+     fault_refuses, reset_fault, faults_in_words},
+    {refuses, {zlac::right_faults}, is_set,
+     fault_refuses, reset_fault, faults_in_words},
+    {refuses, {zlac::status_word, zlac::left_faults, zlac::right_faults}, is_in_alarm,
+     "a shaft is in alarm, without a fault code", reset_fault},
+    {refuses, {zlac::x0_function, zlac::input_state, zlac::input_polarity}, is_stop_active,
+     stop_refuses, release_stop, nullptr, 1},
+    {refuses, {zlac::x1_function, zlac::input_state, zlac::input_polarity}, is_stop_active,
+     stop_refuses, release_stop, nullptr, 2},
+    {refuses, {zlac::speed_resolution}, is_no_resolution,
+     "it is outside 1..10, so the worth of a commanded speed is unknown", {.write = "speed_resolution=1"}},
+
+    {matters, {zlac::host_timeout}, is_zero,
+     "the manual does not say what 0 means: the wheels run on when the line is lost, or an enable is refused if the "
+     "time is always over",
+     {.write = "host_timeout=1000"}},
+    {matters, {zlac::host_timeout}, is_short,
+     "the drive stops when a single response is lost; an enable is refused if such a stop lasts",
+     {.write = "host_timeout=1000"},
+     shortest_in_words},
+    {matters, {zlac::host_timeout}, is_above,
+     "so long the wheels run on when the line is lost", {.write = "host_timeout=1000"}, nullptr, 1000},
+    {matters, {zlac::status_word, zlac::left_actual_speed, zlac::right_actual_speed}, is_turning,
+     "a wheel turns: another program commands the drive, or it rolls",
+     {.write = "left_target_speed=0 right_target_speed=0 control_word=stop"}},
+    {matters, {zlac::status_word, zlac::left_actual_speed, zlac::right_actual_speed}, is_held,
+     "a shaft is held: the drive is enabled, was stopped in an emergency, or holds it from power-on",
+     {.write = "control_word=stop"}},
+    {matters, {zlac::left_target_speed}, is_set,
+     "an enable in velocity mode by a program that does not zero it turns the wheel",
+     {.write = "left_target_speed=0"}},
+    {matters, {zlac::right_target_speed}, is_set,
+     "an enable in velocity mode by a program that does not zero it turns the wheel",
+     {.write = "right_target_speed=0"}},
+    {matters, {zlac::left_target_torque}, is_set,
+     "an enable in torque mode by a program that does not zero it turns the wheel",
+     {.write = "left_target_torque=0"}},
+    {matters, {zlac::right_target_torque}, is_set,
+     "an enable in torque mode by a program that does not zero it turns the wheel",
+     {.write = "right_target_torque=0"}},
+    {matters, {zlac::speed_resolution}, is_fine_resolution,
+     "a commanded speed counts 1/speed_resolution r/min: a program that counts r/min turns the wheels that much "
+     "slower", {.write = "speed_resolution=1"}},
+    {matters, {zlac::hall_state}, has_wrong_hall,
+     "a Hall state of 0 or 7 is a Hall fault: that motor does not turn", {.act = "check its Hall cable"}},
+    {matters, {zlac::motor_temperature, zlac::left_motor_temperature_limit}, is_motor_hot,
+     "the left motor is within 10 degC of its limit, where it has a fault",
+     {.act = "let it cool, and lower its load"}, nullptr, 0},
+    {matters, {zlac::motor_temperature, zlac::right_motor_temperature_limit}, is_motor_hot,
+     "the right motor is within 10 degC of its limit, where it has a fault",
+     {.act = "let it cool, and lower its load"}, nullptr, 1},
+    {matters, {zlac::driver_temperature, zlac::driver_temperature_limit}, is_drive_hot,
+     "the drive is within 10 degC of its limit", {.act = "let it cool, and lower its load"}},
+    {matters, {zlac::left_brake}, is_set,
+     "code 1 may hold the wheel or release it, which the manual leaves open; against a brake it has an overload "
+     "fault", {.act = "if it holds the wheel", .write = "left_brake=0"}},
+    {matters, {zlac::right_brake}, is_set,
+     "code 1 may hold the wheel or release it, which the manual leaves open; against a brake it has an overload "
+     "fault", {.act = "if it holds the wheel", .write = "right_brake=0"}},
+    {matters, {zlac::parking_mode}, is_set,
+     "wheels that are not enabled are braked and cannot be pushed", {.write = "parking_mode=off"}},
+    {matters, {zlac::shaft_at_power_on}, is_set,
+     "after power-on the wheels are held, though nothing is enabled", {.write = "shaft_at_power_on=unlocked"}},
+    {matters, {zlac::input_stop}, is_set,
+     "after an emergency stop by an input the wheels are released, and roll on a slope", {.write = "input_stop=0"}},
+    {matters, {zlac::left_max_current}, is_zero,
+     "the motor gets no current and does not turn", {.act = "set it for the motor"}},
+    {matters, {zlac::right_max_current}, is_zero,
+     "the motor gets no current and does not turn", {.act = "set it for the motor"}},
+    {matters, {zlac::left_rated_current, zlac::left_max_current}, exceeds_second,
+     "the rated current is above the maximum, so the overload protection acts late or never",
+     {.act = "set both for the motor"}},
+    {matters, {zlac::right_rated_current, zlac::right_max_current}, exceeds_second,
+     "the rated current is above the maximum, so the overload protection acts late or never",
+     {.act = "set both for the motor"}},
+    {matters, {zlac::left_encoder_lines}, is_zero,
+     "without encoder lines positions and speeds have no scale", {.act = "set it for the encoder"}},
+    {matters, {zlac::right_encoder_lines}, is_zero,
+     "without encoder lines positions and speeds have no scale", {.act = "set it for the encoder"}},
+    {matters, {zlac::left_encoder_lines, zlac::right_encoder_lines}, differs,
+     unlike, make_alike},
+    {matters, {zlac::left_pole_pairs, zlac::right_pole_pairs}, differs,
+     unlike, make_alike},
+    {matters, {zlac::left_rated_current, zlac::right_rated_current}, differs,
+     unlike, make_alike},
+    {matters, {zlac::left_max_current, zlac::right_max_current}, differs,
+     unlike, make_alike},
+    {matters, {zlac::left_overload_factor, zlac::right_overload_factor}, differs,
+     unlike, make_alike},
+    {matters, {zlac::left_overload_time, zlac::right_overload_time}, differs,
+     unlike, make_alike},
+    {matters, {zlac::left_following_error_limit, zlac::right_following_error_limit}, differs,
+     unlike, make_alike},
+    {matters, {zlac::left_acceleration_time, zlac::right_acceleration_time}, differs,
+     unlike, make_alike},
+    {matters, {zlac::left_deceleration_time, zlac::right_deceleration_time}, differs,
+     unlike, make_alike},
+    {matters, {zlac::left_quick_stop_time, zlac::right_quick_stop_time}, differs,
+     unlike, make_alike},
+    {matters, {zlac::left_max_speed, zlac::right_max_speed}, differs,
+     unlike, make_alike},
+    {matters, {zlac::left_max_speed, zlac::max_motor_speed}, exceeds_second,
+     "moves are slower than this speed, since max_motor_speed limits them",
+     {.act = "lower it, or raise max_motor_speed"}},
+    {matters, {zlac::rs485_baud_rate}, has_other_rate<zlac::device>,
+     "the drive has another rate than it responds at: after the next power cycle it may not respond here",
+     {.act = "give the rate that it has by --baud then, or write the one in use"}},
+    {matters, {zlac::node_address}, [](const held_registers& r, const check& c) { return r.word(c.of[0]) != r.on.node;
+    },
+     "the drive has another address than it responds at: after the next power cycle it may not respond here",
+     {.act = "name that address then, or write the one in use"}},
+};
+// clang-format on
+
+// The requests of a doctor would keep the watchdog of a controller that is dead from stopping the wheels. In torque mode
+// the shafts may read as released [errata B30].
+inline bool is_watched(const held_registers& r) {
+    const auto is_free = [](zlac::shaft_state s) {
+        return s == zlac::shaft_state::released || s == zlac::shaft_state::alarm;
+    };
+    const bool is_torque = r.word(zlac::mode_of_operation) == static_cast<u16>(zlac::operating_mode::torque);
+    return status_of(r).is_running() || !is_free(status_of(r).left.shaft) ||
+           !is_free(status_of(r).right.shaft) || is_torque;
+}
+inline constexpr u16 status[] = {zlac::status_word.address, zlac::mode_of_operation.address};
+
+} // namespace zlac8015d_rules
+
+inline constexpr check_list zlac8015d_checks{zlac8015d_rules::table};
+inline constexpr examination zlac8015d_examination{zlac8015d_checks, zlac8015d_rules::status,
+                                                   zlac8015d_rules::is_watched};
+
+} // namespace tool::diagnosis
