@@ -7,6 +7,7 @@ import sys
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
+from hand_turned import WHEELS
 from programs import Tool, play_tool, scene, until
 from shared_wire import shared_wire
 
@@ -322,10 +323,7 @@ def turns(tool: Tool):
         tool.run("write drive zlac8015d mode_of_operation=velocity control_word=enable --yes")
         tool.run(f"turn drive zlac8015d {WAIT}", stdin="\n")
         tool.check("enabled", tool.last.status == 1 and "refused: a shaft is held" in tool.last.err, tool.found())
-    # A ZLAC8015D whose positions can be set: a hand that turns its wheels.
-    tool.write("wheels.csv", "address,name,type,access,default\n0x200D,mode,u16,rw,0\n0x20A2,status,u16,ro,0\n"
-               "0x20AB,left_speed,i16,ro,0\n0x20AC,right_speed,i16,ro,0\n0x2030,left_lines,u16,rw,1024\n"
-               "0x2060,right_lines,u16,rw,4096\n0x20A7,left,i32,rw,-1000\n0x20A9,right,i32,rw,2147483000\n")
+    tool.write("wheels.csv", WHEELS)
     with tool.simulated("wheels.csv"), shared_wire([tool.folder / "drive"], 2) as (wire, hand):
         def turned(left: int, right: int, turns: str = ""):
             tool.run(f"write {hand} wheels.csv left=-1000 right=2147483000 --yes {WAIT}")
