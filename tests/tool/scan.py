@@ -48,6 +48,21 @@ def scanned_once(tool: Tool):
         tool.run("scan drive --nodes 2 --baud 115200 --format 8N1")
         tool.out_is("scan: one rate is shown as it was given", "115200 8N1 2 zlac8015d")
         tool.err_lacks("scan: without a remark", "pseudo-terminal")
+    with tool.simulated("zlac8015d --node 2 --baud 57600 --strict-rate on"):
+        tool.run("scan drive --nodes 2 --baud 9600,57600,115200 --format 8N1")
+        tool.out_is("scan: one that insists on its rate is found there", "57600 8N1 2 zlac8015d")
+
+
+@scene("zlac8015d", "c630s", "yako-open-loop")
+def late_responses(tool: Tool, device: str):
+    """A response that comes after its time is not taken for that to the next question about the same drive."""
+    own, named = device.split("-")[0], set()
+    for seed in range(1, 7):
+        with tool.simulated(f"{device} --faults late --seed {seed}", link=f"line{seed}"):
+            tool.run(f"scan line{seed} --nodes 1-1 --timeout 60")
+            named |= {line.split()[-1] for line in tool.last.lines}
+    tool.check(f"scan: a {device} that is late now and then has no other's name", named <= {own, "device"}, str(named))
+    tool.check("scan: and its own", own in named, str(named))
 
 
 def objects(*texts: tuple[int, bytes]) -> bytes:

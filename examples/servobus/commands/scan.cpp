@@ -58,12 +58,16 @@ struct plan {
     std::optional<servobus::duration> longest_pause{};
     bool echoes = false;
     bool identifies = false;
-    bool has_setting = true; ///< false: a gateway has it, or the port has no wire
+    bool names_settings = false; ///< the command line does: a simulator may insist on its rate
+    bool has_setting = true;     ///< false: a gateway has it, or the port has no wire
 };
 
+// Several requests to one address: a late response to one of them must not be taken for that to the next.
 const char* name_of(scanned_line& on, std::uint8_t node_address, const plan& p) {
+    servobus::bus_gaps gaps = p.gaps;
+    if (!p.has_quarantine) gaps.quarantine = servobus::milliseconds(300);
     for (const identity& known : identities) {
-        const finding f = look_for(on, node_address, p.limits, known.address, p.gaps);
+        const finding f = look_for(on, node_address, p.limits, known.address, gaps);
         if (f.has_word && f.word == node_address) return known.name;
     }
     return "unknown device";
@@ -161,6 +165,7 @@ std::optional<plan> plan_of(const arguments& asked) {
     p.limits.response = servobus::milliseconds(static_cast<std::uint32_t>(*timeout));
     p.echoes = *echoes;
     p.identifies = asked.has("identify");
+    p.names_settings = asked.has("baud") || asked.has("format");
     return p;
 }
 
@@ -174,7 +179,7 @@ int scan_at(const char* path, std::uint32_t baud, const std::string& format, pla
     settings.keeps_echo = p.echoes;
     if (const int status = port.open(path, settings); status != done) return status;
     port.keep_connected();
-    if (port.ignores_rate() && p.rates.size() * p.formats.size() > 1) {
+    if (port.ignores_rate() && !p.names_settings && p.rates.size() * p.formats.size() > 1) {
         note(std::string{path} + " is a pseudo-terminal, which has no rate and no format: scanning once");
         p.rates.resize(1);
         p.formats.resize(1);

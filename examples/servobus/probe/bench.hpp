@@ -43,8 +43,8 @@ class probe_bench {
         constexpr int most = 10;
         const std::uint16_t words[] = {word};
         for (int i = 0; i < most; ++i) {
-            const written done = write_now(address, words);
-            if (done != written::unknown) return;
+            const written how = write_now(address, words);
+            if (how != written::unknown) return;
             has_failed_ = true;
             wait_now(servobus::milliseconds(200));
         }
@@ -90,9 +90,9 @@ class probe_bench {
         return has_failed_ ? std::array<std::uint16_t, N>{} : words;
     }
     bool write_words(std::uint16_t address, std::span<const std::uint16_t> words) {
-        const written done = write_now(address, words);
-        has_failed_ = has_failed_ || done == written::unknown;
-        return done == written::yes;
+        const written how = write_now(address, words);
+        has_failed_ = has_failed_ || how == written::unknown;
+        return how == written::yes;
     }
 
     virtual bool read_now(std::uint16_t address, std::span<std::uint16_t> words) = 0;
