@@ -50,6 +50,13 @@ static_assert(base.wheels({120_m_per_s, 0_rad_per_s}, 1, 32'767) == wheel_speeds
 static_assert(base.wheels({240_m_per_s, 40_rad_per_s}, 1, 32'767) == wheel_speeds{23'000, -25'000, false});
 static_assert(base.wheels({330_m_per_s, 0_rad_per_s}, 1, 32'767) == wheel_speeds{32'767, -32'767, true});
 
+TEST_CASE("speeds of wheels are the same if all of them is") {
+    CHECK(wheel_speeds{1, 2, true} == wheel_speeds{1, 2, true});
+    CHECK_FALSE(wheel_speeds{1, 2, true} == wheel_speeds{2, 2, true});
+    CHECK_FALSE(wheel_speeds{1, 2, true} == wheel_speeds{1, 3, true});
+    CHECK_FALSE(wheel_speeds{1, 2, true} == wheel_speeds{1, 2, false});
+}
+
 TEST_CASE("no wheel is above its limit, and each is within the bound of the scaled pair") {
     std::uint32_t seed = 50;
     for (const axis_twists::subject& s : axis_twists::subjects) {

@@ -212,6 +212,15 @@ TEST_CASE("devices that are known at run time share settings, or there is an err
     CHECK(find_settings_on_one_line(no_rate).error() == errc::bad_argument);
     CHECK(find_settings_on_one_line(three, 9000).error() == errc::bad_argument);
 
+    const device_on_line without_its_rate[] = {on_line<slow_sensor>(), on_line<hoist>()};
+    CHECK(find_settings_on_one_line(without_its_rate).error() == errc::bad_argument);
+    // Of constants too, where a program computes them.
+    const auto by_type = settings_on_one_line(wheels, lift, press);
+    CHECK(by_type.baud == 38'400);
+    const auto by_format = settings_on_one_line(node<fan>{1}, node<pump>{2});
+    CHECK(static_cast<bool>(by_format.changes[1]));
+    CHECK(by_format.format == o81);
+
     device_on_line twins[] = {on_line<z::device>(), on_line<z::device>()};
     const auto same = find_settings_on_one_line(twins, 115'200);
     REQUIRE(same);

@@ -611,6 +611,18 @@ TEST_CASE("take-overs are tried once in a period, and a failure that is repeated
     CHECK(t.r.log.frames.size() <= 60);
 }
 
+TEST_CASE("a failure at another part of a take-over is another one") {
+    detail::loop_reports reports;
+    const auto failed = [](part at, std::uint8_t setting) {
+        return loop_report{loop_part::take_over, at, setting, routine_status{errc::timeout}};
+    };
+    CHECK(reports.note(failed(part::setting, 1)));
+    CHECK_FALSE(reports.note(failed(part::setting, 1)));
+    CHECK(reports.note(failed(part::setting, 2)));
+    CHECK(reports.note(failed(part::reading, 2)));
+    CHECK(reports.take().at == part::reading);
+}
+
 TEST_CASE("a setting that fails is reported with its number, and tried again") {
     simulated::driven_zlac8015d r{{}, supervised};
     setpoint_loop loop{r.drive, take_over{z::watchdog{500 * millisecond}, z::resolution{11}}};

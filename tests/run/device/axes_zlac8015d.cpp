@@ -112,6 +112,7 @@ TEST_CASE("each axis has its speed, to the nearest count") {
     CHECK(r.belts.right().speed(milliseconds(100))->count() < -99'000);
     CHECK(r.belts.left().begin(travel_at{100_um_per_s}) == errc::out_of_range);
     CHECK(r.belts.left().begin(travel_at{2147_m_per_s}) == errc::out_of_range);
+    CHECK(r.belts.left().begin(travel_at{-2147_m_per_s}) == errc::out_of_range);
     CHECK(r.belts.left().begin(travel_at{2.1_m_per_s}) == errc::out_of_range); // 2008h is 1000 r/min
     REQUIRE(r.belts.run(halt{}));
     REQUIRE(r.belts.run(disable{}));

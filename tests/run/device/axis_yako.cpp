@@ -196,6 +196,9 @@ TEST_CASE("bad input: nothing is sent") {
         r.drive.begin(travel_to{1_mm, {.top = 5_mm_per_s, .acceleration = 2001_ms, .deceleration = 10_ms}}) ==
         errc::out_of_range);
     // A profile is whole, or the drive's own: no ramp of 0 ms, and nothing is ignored.
+    CHECK(axis_profile{}.is_stored());
+    CHECK_FALSE(axis_profile{.deceleration = 50_ms}.is_stored());
+    CHECK_FALSE(axis_profile{.start = 1_mm_per_s}.is_stored());
     const axis_profile wrong[] = {
         {.top = 50_mm_per_s},
         {.top = 50_mm_per_s, .acceleration = 200_ms},

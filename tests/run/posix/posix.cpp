@@ -246,9 +246,22 @@ TEST_CASE("a port that cannot be opened reports the reason") {
     CHECK(drive.send(room).error() == errc::port_lost);
     CHECK(drive.os_error() == EBADF);
     CHECK(time_of([&] { drive.wait(milliseconds(20)); }) >= milliseconds(18)); // sleeps
+    CHECK(drive.baud() == 0);
     REQUIRE(drive.open() == errc::ok);
     CHECK(drive.is_open());
     CHECK(drive.os_error() == 0);
+}
+
+TEST_CASE("the drive's side of a pseudo-terminal knows the rate that the program has set, where the system "
+          "tells it") {
+    pseudo_terminal drive;
+    REQUIRE(drive.open() == errc::ok);
+    for (const std::uint32_t baud : {9600u, 57'600u, 128'000u}) {
+        serial program;
+        if (program.open(drive.path(), {.baud = baud}) != errc::ok)
+            continue; // 128000 has no constant everywhere
+        CHECK(drive.baud() == (posix::detail::tells_hang_up ? baud : 0u));
+    }
 }
 
 TEST_CASE("a port is open for one program at a time") {

@@ -10,7 +10,9 @@
 #include <cstdint>
 #include <limits>
 #include <string>
+#include <string_view>
 #include <utility>
+#include <vector>
 
 #include <servobus/device/zlac8015d/catalogue.hpp>
 #include <servobus/registers/block.hpp>
@@ -144,6 +146,16 @@ static_assert(is_register<at<fixture::steps, 1>> && !is_register<fixture::steps>
 static_assert(is_register_array<fixture::steps> && !is_register_array<fixture::plain>);
 
 } // namespace
+
+TEST_CASE("the meanings of a device's exceptions may be made at run time") {
+    std::vector<exception_meaning> made{{2, "no such row"}};
+    made.push_back({7, "too hot"});
+    const profile facts{.name = "made",
+                        .exceptions = exception_table{made.data(), made.data() + made.size()}};
+    CHECK(std::string_view{facts.meaning(7)} == "too hot");
+    CHECK(std::string_view{facts.meaning(2)} == "no such row");
+    CHECK(std::string_view{facts.meaning(3)} == "unknown exception");
+}
 
 TEST_CASE("a checked value is accepted up to the ends of its range and refused beyond") {
     for (int v = -70'000; v <= 70'000; ++v) {
