@@ -48,6 +48,8 @@ foreach(scheme tcp mbap)
         COMMAND ${python} tests/interop/gateways.py ${tool} ${scheme})
   set_tests_properties(peers.gateways_${scheme} PROPERTIES SKIP_RETURN_CODE 77)
 endforeach()
+check(tool.probe_of_others LABELS tool REAL_TIME COST 70 ENVIRONMENT "PROBED=yako-closed-loop c630s"
+      COMMAND ${python} tests/tool/probe.py ${tool})
 check(posix.portable LABELS posix REAL_TIME COST 70 COMMAND sh tests/portable.sh)
 
 # A hostile line, and fuzzing: the same inputs in every run, for what a search finds must not turn an unrelated change red.
