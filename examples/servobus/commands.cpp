@@ -60,8 +60,7 @@ constexpr option sim_options[] = {
      "late lossy noisy doubled cut unplugged none"},
     {"echo", "on|off", "on: as after an adapter that receives what it sends"},
     {"switches", "FILE", "behaves as probe has found of a real drive"},
-    {"strict-rate", "on|off",
-     "on: it responds only to a program that has set its rate, as a real one; on Linux"},
+    {"strict-rate", "on|off", "on: it responds only to a program that has set its rate, as a real one"},
 };
 
 constexpr option write_options[] = {{"yes", "", "does not ask; without it standard input must say write"}};
@@ -117,6 +116,7 @@ constexpr option apply_options[] = {
      "where the drive is now, if it is not yet where the file has it; so with --baud and --format"},
     {"dry-run", "", "shows what differs and writes nothing"},
     {"yes", "", "does not ask; without it standard input must say apply"},
+    {"save", "", "saves where nothing differs too: what write has set is lost with the power until then"},
     {"part", "", "where more than the drive takes at once differ (c630s: 200), the first of them"},
 };
 

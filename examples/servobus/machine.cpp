@@ -35,7 +35,15 @@ std::string text_of(const place& where) {
            text(where.format);
 }
 
-place place_of(const machine_section& wanted) { return {wanted.node, wanted.baud, wanted.format}; }
+place place_of(const machine_section& wanted, const arguments& asked) {
+    place finished{wanted.node, wanted.baud, wanted.format};
+    if (wanted.says_rate) return finished;
+    const auto baud = asked.number("baud", 600, 4'000'000, finished.baud);
+    if (baud) finished.baud = static_cast<std::uint32_t>(*baud);
+    if (const char* format = asked.text("format"))
+        finished.format = parse_format(format).value_or(finished.format);
+    return finished;
+}
 
 int chosen_machine::take(const arguments& asked) {
     const std::string& path = asked.words()[1];
@@ -97,7 +105,7 @@ int find_among(const arguments& asked, const machine_section& wanted, const std:
 }
 
 int find_drive(const arguments& asked, const machine_section& wanted, found_drive& found) {
-    const place finished = place_of(wanted);
+    const place finished = place_of(wanted, asked);
     place now = finished;
     const auto node = asked.number("at", wanted.kind->facts().lowest_address,
                                    wanted.kind->facts().highest_address, finished.node);

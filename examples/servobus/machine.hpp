@@ -47,8 +47,8 @@ int find_drive(const arguments& asked, const machine_section& wanted, found_driv
 /// The first of these places at which the drive responds; no complaint if there is none.
 int find_among(const arguments& asked, const machine_section& wanted, const std::vector<place>& places,
                std::optional<found_drive>& found);
-/// Where the file has it.
-place place_of(const machine_section& wanted);
+/// Where the file has it; of a file that says no rate, at the rate of the command line.
+place place_of(const machine_section& wanted, const arguments& asked);
 
 /// Compares what a section requires, and prints what differs with `[name]` in front of each register. Sets `differing`.
 int compare_required(found_drive& at, const machine_section& wanted, std::size_t& differing);

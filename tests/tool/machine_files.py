@@ -78,6 +78,18 @@ def a_drive(tool: Tool):
         tool.run(f"apply drive machine.txt --yes {WAIT}")
         tool.check("twice: the second writes nothing", tool.last.status == 0 and tool.last.out == "", tool.found())
         tool.err_has("and says so", "nothing to write")
+        tool.run("write drive yako-closed-loop:2 max_current=2000")
+        power_cycle(drive)
+        tool.exits("what is only written is lost with the power", f"diff drive machine.txt {WAIT}", 0)
+        tool.run("write drive yako-closed-loop:2 auxiliary_command=release positioning_speed=150 --yes")
+        tool.write("slower.txt", LIFT.replace("=200", "=150"))
+        tool.run(f"apply drive slower.txt --yes --save {WAIT}")
+        tool.check("--save keeps it where nothing differs", tool.last.status == 0 and "0 parameters of 4 differ" in
+                   tool.last.err, tool.found())
+        power_cycle(drive)
+        tool.exits("over a power cycle", f"diff drive slower.txt {WAIT}", 0)
+        tool.run("write drive yako-closed-loop:2 auxiliary_command=release --yes")
+        tool.run(f"apply drive machine.txt --yes {WAIT}")
         tool.write("other.txt", LIFT.replace("=1000", "=3200"))
         tool.run(f"apply drive other.txt --yes {WAIT}")
         tool.check("what is required is compared", tool.last.status == 1 and tool.last.lines ==
@@ -218,6 +230,17 @@ def rate_and_address_of_wheels(tool: Tool):
         tool.fails("it is not where it will be", f"diff drive robot.txt {WAIT}", 1, "does not respond at node 4")
         power_cycle(drive)
         tool.exits("but then", f"diff drive robot.txt {WAIT}", 0)
+
+
+@scene()
+def rate_of_the_command_line(tool: Tool):
+    """A file that says no rate is about drives at the rate of the command line, and announces no other."""
+    tool.write("robot.txt", "servobus-machine format=1\n[wheels] device=zlac8015d node=1\nhost_timeout=500 ms\n")
+    with tool.simulated("zlac8015d --baud 57600 --strict-rate on"):
+        tool.run(f"apply drive robot.txt --yes --baud 57600 {WAIT}")
+        tool.check("it is applied", tool.last.status == 0, tool.found())
+        tool.err_lacks("and stays where it is", "115200")
+        tool.exits("there", f"diff drive robot.txt --baud 57600 {WAIT}", 0)
 
 
 @scene()

@@ -22,8 +22,8 @@ def refused(tool: Tool):
 
 @scene(
     ("zlac8015d", "115200 8N1", 5, "zlac8015d"),
-    ("yako-closed-loop", "115200 8N1", 3, "yako"),
-    ("yako-open-loop", "115200 8N1", 1, "yako"),
+    ("yako-closed-loop", "115200 8N1", 3, "yako-closed-loop"),
+    ("yako-open-loop", "115200 8N1", 1, "yako-open-loop"),
     ("c630s", "57600 8N2", 2, "c630s"),
 )
 def found_and_named(tool: Tool, device: str, setting: str, node: int, name: str):

@@ -73,7 +73,7 @@ class application {
                             "[" + wanted_->name + "] is not what the file requires; nothing was written");
         if (const int status = changes_->compare(wanted_->wanted()); status != done) return status;
         changes_->print();
-        if (must_save())
+        if (wanted_->kind->save && unsaved_->has(wanted_->name))
             note("[" + wanted_->name + "] was left unsaved by an apply that did not end: it is saved");
         if (has_work()) {
             note("[" + wanted_->name + "] at " + text_of(at_.where) + ": " +
@@ -107,9 +107,9 @@ class application {
         if (wanted_->kind->save) {
             if (const int status = unsaved_->remove(wanted_->name, port); status != done) return status;
         }
-        if (at_.where != place_of(*wanted_))
+        if (at_.where != place_of(*wanted_, *asked_))
             note("[" + wanted_->name + "] responds at " + text_of(at_.where) +
-                 " until it is switched off and on; then at " + text_of(place_of(*wanted_)));
+                 " until it is switched off and on; then at " + text_of(place_of(*wanted_, *asked_)));
         end();
         return done;
     }
@@ -122,7 +122,9 @@ class application {
                 .in_parts = asked_->has("part"),
                 .drive = wanted_->name + '.'};
     }
-    bool must_save() const { return wanted_->kind->save && unsaved_->has(wanted_->name); }
+    bool must_save() const {
+        return wanted_->kind->save && (asked_->has("save") || unsaved_->has(wanted_->name));
+    }
 
     int begin(bool is_dry) {
         if (const int status = find_drive(*asked_, *wanted_, at_); status != done) return status;
@@ -161,8 +163,9 @@ class application {
                 if (c != nullptr) words.push_back(static_cast<u16>(c->after));
             }
             place next = at_.where;
-            next.baud = wanted_->baud;
-            next.format = wanted_->format;
+            const place finished = place_of(*wanted_, *asked_);
+            next.baud = finished.baud;
+            next.format = finished.format;
             if (is_one_frame || words.size() == 1) {
                 const servobus::entry& first = *(rate != nullptr ? rate : format)->row;
                 if (const int status = move_by(first, words, next); status != done) return status;
@@ -240,7 +243,12 @@ int apply(const arguments& asked) {
         if (const int status = all.back().plan(); status != done) return status;
     }
     const bool has_work = std::ranges::any_of(all, &application::has_work);
-    if (!has_work) note("all is as the file says; nothing to write");
+    if (!has_work) {
+        const bool saves = std::ranges::any_of(
+            machine.sections, [](const machine_section* s) { return s->kind->save.has_value(); });
+        note(std::string{"all is as the file says; nothing to write"} +
+             (saves ? "; --save keeps it over a power cycle, if write has set it" : ""));
+    }
     if (!has_work || asked.has("dry-run")) return done;
     if (const int status = ask_consent(asked, "apply"); status != done) return status;
     for (application& one : all) {

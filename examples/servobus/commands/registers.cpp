@@ -93,8 +93,11 @@ servobus::status warn_of_wear(session& on, const target& of, const chosen& what)
     }
     bool wears = true;
     const servobus::status why = on.ask_wear(wears);
+    const std::string knob = of.kind->display_name(of.facts().eeprom_switch);
     if (why.error() == servobus::errc::exception || (why.error() == servobus::errc::ok && wears))
-        note(warning + "; not while " + of.kind->display_name(of.facts().eeprom_switch) + " is 0");
+        note(warning + "; not while " + knob + " is 0");
+    if (why.error() == servobus::errc::ok && !wears)
+        note("warning: " + what.name + " is lost with the power, since " + knob + " is 0");
     return why.error() == servobus::errc::exception ? servobus::status{} : why;
 }
 

@@ -8,7 +8,7 @@
 #include <servobus/client/identification.hpp>
 #include <servobus/client/scan.hpp>
 #include <servobus/device/c630s/registers.hpp>
-#include <servobus/device/yako/common.hpp>
+#include <servobus/device/yako/closed_loop.hpp>
 #include <servobus/device/zlac8015d/registers.hpp>
 #include <servobus/modbus/diagnostics.hpp>
 
@@ -68,7 +68,13 @@ const char* name_of(scanned_line& on, std::uint8_t node_address, const plan& p) 
     if (!p.has_quarantine) gaps.quarantine = servobus::milliseconds(300);
     for (const identity& known : identities) {
         const finding f = look_for(on, node_address, p.limits, known.address, gaps);
-        if (f.has_word && f.word == node_address) return known.name;
+        if (!f.has_word || f.word != node_address) continue;
+        if (known.name != std::string_view{"yako"}) return known.name;
+        // Only a closed loop has an encoder.
+        const finding encoder = look_for(on, node_address, p.limits,
+                                         servobus::yako::closed_loop::encoder_resolution.address, gaps);
+        if (encoder.has_word) return "yako-closed-loop";
+        return encoder.what == presence::present ? "yako-open-loop" : known.name;
     }
     return "unknown device";
 }

@@ -203,7 +203,7 @@ inline constexpr check table[] = {
      "terminals or an analogue input limit the torque: the motor may have none without them",
      {.write = "torque_limit_source=internal"}},
     {matters, {c630s::eeprom_update}, is_set,
-     "each write over the bus goes into the EEPROM, which frequent writes destroy", {.write = "eeprom_update=off"}},
+     "each write over the bus goes into the EEPROM, which frequent writes destroy", {.act = "once all that is to be kept is written", .write = "eeprom_update=off"}},
     {matters, {c630s::response_delay}, is_slow_to_respond,
      "the drive waits so long before each response, of the time that one may take", {.write = "response_delay=1"}},
     {matters, {c630s::pulses_per_revolution, c630s::gear_1_numerator, c630s::gear_1_denominator}, has_unused_gear,

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <map>
+#include <string>
 #include <vector>
 
 #include "../os/port_users.hpp"
@@ -24,6 +26,17 @@ std::string setting_of(const session& on) {
     return "at " + std::to_string(on.baud()) + " " + text(on.format());
 }
 
+// So many reads find what happens to one of ten with a probability of 0.96.
+constexpr unsigned reads = 30;
+
+// `2: no response, 1: wrong CRC`
+std::string list_of(const std::map<std::string, unsigned>& counts) {
+    std::string all;
+    for (const auto& [what, count] : counts)
+        all += (all.empty() ? "" : ", ") + std::to_string(count) + ": " + what;
+    return all;
+}
+
 bool is_damage(errc why) {
     using enum errc;
     for (const errc one : {truncated_response, bad_crc, wrong_function, wrong_byte_count, wrong_address,
@@ -36,7 +49,6 @@ bool is_damage(errc why) {
 // `what` is what the bytes show, in words.
 std::string advice_on(const report& to, const std::string& port, const target& of, servobus::status why,
                       const session& on, const std::string& what) {
-    const std::string node = std::to_string(of.node);
     if (what.find("--echo on") != what.npos) return to.command("doctor", "--echo on");
     if (what.find("--echo off") != what.npos) {
         std::string without = to.command("doctor");
@@ -47,10 +59,10 @@ std::string advice_on(const report& to, const std::string& port, const target& o
     if (what.find("try tcp://") != what.npos) return "give the port that it names";
     if (on.port().is_network())
         return "check the node, and the rate and format that the gateway has: servobus scan " + port;
-    const std::string scan = "servobus scan " + port;
+    const std::string scan = "servobus scan " + port + to.echo_option();
     if (is_damage(why.error()) || what.find(" came") != what.npos) {
         return "another rate or format, two devices at one address, another program, or noise: try " + scan +
-               " --nodes " + node + ", then termination and common ground";
+               ", then termination and common ground";
     }
     return "the supply, A and B swapped, the node, the rate, the format, or the adapter's direction: try "
            "swapping A and "
@@ -81,7 +93,7 @@ void explain_silence(report& to, const std::string& port, const target& of, serv
     if (why.error() == errc::exception) {
         to.refuse("the device responds, and " + what + ": perhaps it is another device than " +
                       of.kind->word(),
-                  "servobus scan " + port + " --nodes " + std::to_string(of.node));
+                  "servobus scan " + port + to.echo_option());
         return;
     }
     if (why.error() == errc::port_lost) return to.refuse(what, "plug the adapter in, and check its cable");
@@ -95,8 +107,10 @@ void explain_silence(report& to, const std::string& port, const target& of, serv
 response_times judge_responses(report& to, session& on, const servobus::entry& row, servobus::table from) {
     response_times r;
     std::vector<servobus::duration> took;
-    for (r.asked = 0; r.asked < 10; ++r.asked) {
+    std::map<std::string, unsigned> failures; // by what is wrong with them
+    for (r.asked = 0; r.asked < reads; ++r.asked) {
         const servobus::status why = on.probe(row, from);
+        if (!why.has_response()) ++failures[servobus::text(why.error())];
         const std::optional<servobus::duration> time = on.port().response_time();
         if (why.has_response() && time) took.push_back(*time);
     }
@@ -113,10 +127,13 @@ response_times judge_responses(report& to, session& on, const servobus::entry& r
     }
     if (r.answered < r.asked) {
         to.warn(std::to_string(r.asked - r.answered) + " of " + std::to_string(r.asked) +
-                    " reads have no valid response: writes will end as unknown, and setpoints be late",
-                "check wires, termination and common ground, or a longer --timeout");
+                    " reads have no valid response (" + list_of(failures) +
+                    "): writes will end as unknown, and setpoints be late",
+                "check wires, termination and common ground; where there was no response, a --timeout of " +
+                    std::to_string(4 * on.response_limit().us / 1000));
     }
-    if (r.most.us > on.response_limit().us / 2) {
+    const bool is_uneven = r.most.us > 10 * r.median.us + 20'000;
+    if (is_uneven || r.most.us > on.response_limit().us / 2) {
         to.warn("responses begin after up to " + ms_text(r.most) + " ms of the " + allowed +
                     ": some will be late",
                 "a longer --timeout, and in a program longer limits.response of the node");

@@ -27,6 +27,10 @@ class report {
     void differ(const std::string& what);
     void finding(const check& c, const held_registers& held, const servobus::catalogue& map);
 
+    /// ` --echo on` if the command line has it.
+    std::string echo_option() const {
+        return options_.find(" --echo on") != options_.npos ? " --echo on" : "";
+    }
     /// `servobus COMMAND PORT DEVICE REST`, with the options of the line.
     std::string command(const std::string& name, const std::string& rest = "") const;
 

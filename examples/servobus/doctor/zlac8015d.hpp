@@ -94,11 +94,6 @@ inline bool is_drive_hot(const held_registers& r, const check& c) {
     return r.number(zlac::driver_temperature) + 10 * margin > r.word(c.of[1]);
 }
 
-inline std::string right_as_left(const held_registers& r, const check& c) {
-    const servobus::entry* const row = servobus::zlac8015d::catalogue.find(c.of[1]);
-    return std::string{static_cast<const char*>(row->name)} + "=" + hex_of(r.word(c.of[0]));
-}
-
 // clang-format off
 inline constexpr const char* fault_refuses   = "the drive is not enabled while a wheel has a fault";
 inline constexpr const char* stop_refuses    = "an emergency stop is active, and the drive ignores an enable";
@@ -107,7 +102,7 @@ inline constexpr const char* unlike =
 inline constexpr mend reset_fault            {.act = "mend the cause", .write = "control_word=fault_reset"};
 inline constexpr mend release_stop {.act = "release the stop; or, if its contact opens to stop",
                                     .compose = other_polarity};
-inline constexpr mend make_alike             {.act = "if the motors are alike", .compose = right_as_left};
+inline constexpr mend make_alike             {.act = "if the motors are alike, write the value that is right for them to both"};
 
 inline constexpr check table[] = {
     // Severity, registers, condition, why it matters, what mends it

@@ -195,12 +195,14 @@ std::string machine_file::take_key(machine_section& to, std::string_view key, st
         if (!number || *number < 600 || *number > 4'000'000)
             return "baud takes 600 to 4000000, not " + csv::shown(value);
         to.baud = static_cast<std::uint32_t>(*number);
+        to.says_rate = true;
         return {};
     }
     if (key == "character_format") {
         const std::optional<servobus::character_format> parsed = parse_format(value);
         if (!parsed) return "character_format takes 8N1, 8N2, 8E1 or 8O1, not " + csv::shown(value);
         to.format = *parsed;
+        to.says_rate = true;
         return {};
     }
     constexpr std::string_view known[] = {"device", "node", "baud", "character_format"};

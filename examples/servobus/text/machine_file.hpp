@@ -40,6 +40,7 @@ struct machine_section {
     std::uint8_t node = 1; ///< on the finished machine
     std::uint32_t baud = 0;
     servobus::character_format format = servobus::character_format::n81;
+    bool says_rate = false; ///< `baud=` or `character_format=`; else the command line may
     std::vector<machine_line> lines{};
 
     /// The registers of these lines with what they should hold.

@@ -92,8 +92,8 @@ class pseudo_terminal {
         return fd_.is_open() && (detail::wait_readable(fd_.number(), {}) & POLLHUP) == 0;
     }
 
-    /// The rate that the program at the other side has set, in bits a second; 0 if the system does not tell (it does on Linux).
-    /// Nothing here depends on it.
+    /// The rate that the program at the other side has set, in bits a second; 0 if the system does not tell,
+    /// or while it is closed. Nothing here depends on it.
     std::uint32_t baud() const { return fd_.is_open() ? detail::speed_of(fd_.number()) : 0; }
 
     /// Sends as many bytes as the system takes. Errors: `port_lost` (it is closed), `send_failed`.

@@ -135,9 +135,9 @@ struct set_current_loop {
     register_value<current_loop_ki> ki;
     register_value<current_loop_kc> kc;
     constexpr prepared_command plan(const cached_settings& cached) const {
-        const auto word = [](u32 bits) { return static_cast<std::uint16_t>(bits & 0xFFFF); };
+        const auto low = [](u32 bits) { return static_cast<std::uint16_t>(bits & 0xFFFF); };
         return {.steps = routines::set_current_loop,
-                .arguments = {word(kp_multiplier.bits()), word(kp.bits()), word(ki.bits()), word(kc.bits())},
+                .arguments = {low(kp_multiplier.bits()), low(kp.bits()), low(ki.bits()), low(kc.bits())},
                 .refusal = detail::first_error(detail::needs_init_done(cached), kp_multiplier.error(),
                                                kp.error(), ki.error(), kc.error())};
     }

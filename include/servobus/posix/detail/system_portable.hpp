@@ -78,8 +78,26 @@ inline int set_any_speed(int fd, std::uint32_t baud) {
 /// The rate of a port, or of the other side of a pseudo-terminal, in bits a second; 0 if the system does not tell.
 inline std::uint32_t speed_of(int fd) {
     termios t{};
-    if (B9600 != 9600 || ::tcgetattr(fd, &t) != 0) return 0;
-    return static_cast<std::uint32_t>(::cfgetospeed(&t));
+    if (::tcgetattr(fd, &t) != 0) return 0;
+    const speed_t set = ::cfgetospeed(&t);
+    if (B9600 == 9600) return static_cast<std::uint32_t>(set);
+    struct constant {
+        speed_t name;
+        std::uint32_t baud;
+    };
+    constexpr constant all[] = {
+        {B2400, 2400},      {B4800, 4800}, {B9600, 9600}, {B19200, 19'200}, {B38400, 38'400},
+#ifdef B57600
+        {B57600, 57'600},
+#endif
+#ifdef B115200
+        {B115200, 115'200},
+#endif
+    };
+    for (const constant& c : all) {
+        if (c.name == set) return c.baud;
+    }
+    return 0;
 }
 
 inline int switch_direction(int) { return ENOTSUP; }
