@@ -47,8 +47,8 @@ bool is_damage(errc why) {
 }
 
 // `what` is what the bytes show, in words.
-std::string advice_on(const report& to, const std::string& port, const target& of, servobus::status why,
-                      const session& on, const std::string& what) {
+std::string advice_on(const report& to, const std::string& port, servobus::status why, const session& on,
+                      const std::string& what) {
     if (what.find("--echo on") != what.npos) return to.command("doctor", "--echo on");
     if (what.find("--echo off") != what.npos) {
         std::string without = to.command("doctor");
@@ -101,7 +101,7 @@ void explain_silence(report& to, const std::string& port, const target& of, serv
     text += ", node " + std::to_string(of.node) + ' ' + setting_of(on);
     if (why.error() == errc::timeout && what == servobus::text(errc::timeout))
         text += ": not a single byte came";
-    to.refuse(text, advice_on(to, port, of, why, on, what));
+    to.refuse(text, advice_on(to, port, why, on, what));
 }
 
 response_times judge_responses(report& to, session& on, const servobus::entry& row, servobus::table from) {
