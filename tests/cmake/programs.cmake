@@ -6,9 +6,9 @@ add_executable(undisturbed support/undisturbed.cpp)
 target_compile_features(undisturbed PRIVATE cxx_std_20)
 set(tool $<TARGET_FILE:servobus_tool>)
 # The tool with a drive that is not the library's.
-add_executable(tool_with_winch ${PROJECT_SOURCE_DIR}/examples/servobus/main.cpp
+add_executable(tool_with_winch $<TARGET_OBJECTS:servobus_tool_parts>
                                ${PROJECT_SOURCE_DIR}/examples/own_device/own_tool_drive.cpp)
-target_link_libraries(tool_with_winch PRIVATE servobus_tool_parts strict_warnings)
+target_link_libraries(tool_with_winch PRIVATE servobus::servobus strict_warnings)
 # A build without a type is for tests: it compiles quickly, and its programs are quick enough.
 if(NOT CMAKE_BUILD_TYPE)
   foreach(program servobus_tool_parts servobus_wheels servobus_stepper servobus_servo servobus_robot)

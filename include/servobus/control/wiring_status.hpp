@@ -96,7 +96,8 @@ class wiring {
     }
     /// Calls `put(i, function)` for each terminal that is freed, then for each that is assigned, until one fails.
     template <class Put> constexpr routine_status each(Put&& put) const {
-        for (const bool assigns : {false, true}) {
+        for (unsigned pass = 0; pass < 2; ++pass) {
+            const bool assigns = pass == 1;
             for (std::size_t i = 0; i < size_; ++i) {
                 if (assigns ? !is_assigned(i) : !is_freed(i)) continue;
                 const routine_status how = put(i, assigns ? wanted_[i] : std::uint16_t{0});
