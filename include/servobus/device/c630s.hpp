@@ -25,4 +25,3 @@
 #include <servobus/device/c630s/single_parameters.hpp>
 #include <servobus/device/c630s/terminals.hpp>
 #include <servobus/device/c630s/values.hpp>
-#include <servobus/device/c630s/wiring.hpp>

@@ -25,4 +25,3 @@
 #include <servobus/device/yako/parameters.hpp>
 #include <servobus/device/yako/single_parameters.hpp>
 #include <servobus/device/yako/values.hpp>
-#include <servobus/device/yako/wiring.hpp>

@@ -20,4 +20,3 @@
 #include <servobus/device/zlac8015d/registers.hpp>
 #include <servobus/device/zlac8015d/single_parameters.hpp>
 #include <servobus/device/zlac8015d/values.hpp>
-#include <servobus/device/zlac8015d/wiring.hpp>

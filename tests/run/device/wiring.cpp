@@ -9,6 +9,10 @@
 
 #include <doctest/doctest.h>
 
+#include <servobus/device/c630s/wiring.hpp>
+#include <servobus/device/yako/wiring.hpp>
+#include <servobus/device/zlac8015d/wiring.hpp>
+
 #include <tests/support/driven_c630s.hpp>
 #include <tests/support/driven_yako.hpp>
 #include <tests/support/driven_zlac8015d.hpp>
