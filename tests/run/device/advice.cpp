@@ -11,6 +11,7 @@
 #include <iterator>
 #include <set>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <servobus/device/c630s/advice.hpp>
@@ -277,19 +278,22 @@ TEST_CASE("YAKO: every error code and the alarm bit have the one advice that the
         CHECK(what.remedy == not_in_manual);
         CHECK(has(what.reset, "0021h to 002Dh"));
     }
-    CHECK(yako::advice_for(yako::motion_status::from_word(0x0008)).cause == yako::advice_for(1).cause);
-    CHECK(yako::advice_for(yako::motion_status::from_word(0xFFF7)).cause == no_fault_advice.cause);
+    CHECK(std::string_view{yako::advice_for(yako::motion_status::from_word(0x0008)).cause} ==
+          yako::advice_for(1).cause);
+    CHECK(std::string_view{yako::advice_for(yako::motion_status::from_word(0xFFF7)).cause} ==
+          no_fault_advice.cause);
     check_style(no_fault_advice);
 }
 
 TEST_CASE("no fault needs no advice, an unknown one has none, and of several faults the first has it") {
     u16 none = 0, unknown = 0x0999;
-    CHECK(c630s::advice_for(none).cause == no_fault_advice.cause);
-    CHECK(c630s::advice_for(unknown).cause == not_in_manual);
-    CHECK(yako::advice_for(none).cause == no_fault_advice.cause);
+    CHECK(std::string_view{c630s::advice_for(none).cause} == no_fault_advice.cause);
+    CHECK(std::string_view{c630s::advice_for(unknown).cause} == not_in_manual);
+    CHECK(std::string_view{yako::advice_for(none).cause} == no_fault_advice.cause);
     using zlac8015d::fault, zlac8015d::faults;
-    CHECK(zlac8015d::advice_for(faults{none}).cause == no_fault_advice.cause);
-    CHECK(zlac8015d::advice_for(faults{0x2804}).cause == zlac8015d::advice_for(fault::overcurrent).cause);
+    CHECK(std::string_view{zlac8015d::advice_for(faults{none}).cause} == no_fault_advice.cause);
+    CHECK(std::string_view{zlac8015d::advice_for(faults{0x2804}).cause} ==
+          zlac8015d::advice_for(fault::overcurrent).cause);
 }
 
 TEST_CASE("every erratum that the advice refers to is in the list") {
