@@ -146,7 +146,7 @@ void changes::release_first() {
     all_.insert(all_.begin(), first.begin(), first.end());
 }
 
-// What changes how all else is read and kept comes last.
+// Puts the registers that change how all others are read and kept at the end.
 void changes::line_last() {
     std::ranges::stable_partition(all_,
                                   [](const change& c) { return !has(c.row->flags, flag::communication); });
@@ -259,7 +259,7 @@ int changes::look_after(const std::string& name) {
     return found.unrest.empty() ? done : stop_at("stopped after " + name + ": " + found.unrest);
 }
 
-// What has been written is on standard output. `is_unknown`: the next one may be written or not.
+// The parameters written so far are on standard output. `is_unknown`: the next one may be written or not.
 int changes::stop_at(std::string why, bool is_unknown) const {
     why = rules_.drive + why + "; " + std::to_string(written_) + " of " + std::to_string(all_.size()) +
           " written";

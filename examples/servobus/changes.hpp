@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// What a drive's parameters are changed to, with everything that must hold before and after a write: what restore and
-// apply share. Only what differs is written, each register once, and each is read back.
+// The changes that restore and apply make to a drive's parameters, with everything that must hold before and after a
+// write. Only a register that differs is written, once, and it is read back.
 #pragma once
 
 #include <cstddef>

@@ -82,7 +82,7 @@ int chosen_machine::take(const arguments& asked) {
     return done;
 }
 
-// Opens a session at one place, whether somebody responds or not.
+// Opens a session at one place, whether a drive responds there or not.
 static int open_at(const arguments& asked, const machine_section& wanted, const place& where,
                    found_drive& made) {
     made.of = target{.kind = wanted.kind, .node = where.node, .has_node = true};

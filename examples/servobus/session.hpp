@@ -137,7 +137,7 @@ class session {
     void wait(servobus::duration time) { port_.wait(time); }
     /// How long a response may take to begin.
     servobus::duration response_limit() const { return node_.limits.response; }
-    /// Sends bytes as they are, and counts those that come within `time`, which it puts behind `all` if that is not null.
+    /// Sends bytes as they are, and counts those that come within `time`, which it appends to `all` if that is not null.
     /// For a port with a line of its own.
     std::size_t count_after(servobus::bytes frame, servobus::duration time,
                             std::vector<std::uint8_t>* all = nullptr);

@@ -43,7 +43,7 @@ template <class Model> struct odd : Model {
         }
         return why;
     }
-    /// Writes without the line, as somebody at the drive would. Returns false if the drive refuses it.
+    /// Writes without the line, as a person at the drive's panel would. Returns false if the drive refuses it.
     bool put(u16 address, std::initializer_list<u16> words) {
         std::vector<std::uint8_t> payload;
         for (const u16 word : words) {

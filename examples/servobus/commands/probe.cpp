@@ -120,7 +120,7 @@ class real_bench final : public probe_bench {
     std::string trouble_{};
 };
 
-// What was found and what is open, a line each.
+// Prints each interpretation on a line: the way that was found, or `?`.
 void print(const findings& found) {
     for (std::size_t i = 0; i < found.all().size(); ++i) {
         const interpretation& what = found.all()[i];

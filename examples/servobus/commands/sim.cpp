@@ -23,7 +23,7 @@ int check_link(const char* path) {
                     std::string{"cannot make a link at "} + path + ": it is a symbolic link to " + before);
 }
 
-// What a probe has found of a real drive.
+// Reads the file with a probe's findings on a real drive.
 int read_switches(const device& of, const std::string& path, simulation& wanted) {
     if (of.interpretations.empty()) return complain(usage, of.word() + " has no switches");
     constexpr std::size_t largest_findings = 100'000; // bytes

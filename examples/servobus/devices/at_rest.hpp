@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// What the rules of the drives at rest share.
+// The reads that every drive's rule of "at rest" shares.
 #pragma once
 
 #include <array>

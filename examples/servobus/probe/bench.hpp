@@ -63,7 +63,8 @@ class probe_bench {
     seen answers_bad_crc() { return has_failed_ ? seen::unknown : bad_crc_now(); }
     /// Whether the drive responds at this address, which may not be its own.
     seen responds_at(std::uint8_t node) { return has_failed_ ? seen::unknown : look_at(node); }
-    /// The words 5 and 6 of the response to function 10h that writes one word: by the standard 1. None if it is not known.
+    /// The count of registers, bytes 5 and 6 of the frame, in the response to function 10h that writes one word: by the
+    /// standard 1. None if it is not known.
     std::optional<std::uint16_t> count_in_response(std::uint16_t address, std::uint16_t word) {
         return has_failed_ ? std::nullopt : count_now(address, word);
     }

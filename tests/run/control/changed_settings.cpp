@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// G21: a register that a facade caches is written by somebody else on its line. Judged by the frames on the wire and by
+// G21: a register that a facade caches is written by another client on its line. Judged by the frames on the wire and by
 // the simulated drive.
 #include <array>
 #include <cstdint>

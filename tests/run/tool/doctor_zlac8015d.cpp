@@ -42,7 +42,7 @@ template <u16 Address, u16 Word> bool force(bench& b) {
     return true;
 }
 
-// In this order: a state that others would undo stands behind them.
+// In this order: a state that others would undo comes after them.
 constexpr doctored::state<bench> states[] = {
     {"nothing", [](bench&) { return true; }},
     {"X0 active",

@@ -144,7 +144,7 @@ template <class Model> void play(std::uint32_t runs, std::uint64_t seed) {
         const bool is_by_register = n % 4 == 3;
         chosen.switches = is_by_register ? 0 : 1;
         bench<Model> on{chosen};
-        if (is_by_register) { // as somebody has set it up
+        if (is_by_register) { // as it was set up before
             constexpr std::uint8_t node[] = {0, 9}, save[] = {0, 0x42};
             REQUIRE(on.model.write(0x0013, words_view{node}) == 0);
             REQUIRE(on.model.write(0x002D, words_view{save}) == 0);

@@ -73,7 +73,7 @@ template <const auto& R> constexpr void check_settable() {
     static_assert(!is_one_of<R, parking_mode>, "the parking mode is set by park{}");
 }
 
-/// The registers of the right motor are 30h behind those of the left one.
+/// The registers of the right motor are 30h after those of the left one.
 constexpr std::uint16_t as_of_left(std::uint16_t address) {
     const bool is_right = address >= right_encoder_lines.address && address <= right_speed_observer_4.address;
     return is_right ? as_word(address - right_encoder_lines.address + left_encoder_lines.address) : address;
