@@ -77,7 +77,7 @@ def run_all(device):
     line.both("restores what differs not", 0, "restore", device, kept, "--dry-run")
     same(f"{scheme}, {device}: watches", 3,
          line.behind("watch", device, first, "--count", "3", "--interval", "0").stdout.count(f"{first}="))
-    same(f"{scheme}, {device}: finds the drive", f"- - 1 {device.split('-')[0]}\n",
+    same(f"{scheme}, {device}: finds the drive", f"- - 1 {device}\n",
          line.behind("scan", "--nodes", "1-2").stdout)
 
 

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// The facades of all drives on a serial port: commands, moves until arrival, feedback, steps; a robot by twists, axes by
-// lengths. This file is only compiled.
+// The facades of all drives on a serial port: commands, moves until arrival, feedback, steps, terminals; a robot by twists, axes
+// by lengths. This file is only compiled.
 #include <servobus/servobus.hpp>
 
 #include <servobus/client/settings_on_one_line.hpp>
@@ -12,11 +12,14 @@
 #include <servobus/control/take_over.hpp>
 #include <servobus/device/c630s.hpp>
 #include <servobus/device/c630s/axis_drive.hpp>
+#include <servobus/device/c630s/wiring.hpp>
 #include <servobus/device/yako.hpp>
 #include <servobus/device/yako/axis_drive.hpp>
+#include <servobus/device/yako/wiring.hpp>
 #include <servobus/device/zlac8015d.hpp>
 #include <servobus/device/zlac8015d/axes.hpp>
 #include <servobus/device/zlac8015d/robot.hpp>
+#include <servobus/device/zlac8015d/wiring.hpp>
 #include <servobus/explain/explain.hpp>
 #include <servobus/posix/serial.hpp>
 #include <servobus/registers/format.hpp>
@@ -50,6 +53,16 @@ bool is_taken_over(zlac8015d::drive<wire>& wheels, c630s::drive<wire>& spindle) 
     using namespace zlac8015d;
     return wheels.run(take_over{with_fault_reset{}, resolution{10}, watchdog{500 * millisecond}}) &&
            spindle.run(take_over{c630s::set_up{}, c630s::torque_limits{40 * percent, 40 * percent}});
+}
+
+bool are_wired(zlac8015d::drive<wire>& wheels, yako::closed_loop::drive<wire>& lift,
+               c630s::drive<wire>& spindle) {
+    return wheels.run(zlac8015d::wire_inputs{.x0 = zlac8015d::input_function::undefined}) &&
+           wheels.run(zlac8015d::wire_outputs{.y0 = zlac8015d::output_function::alarm}) &&
+           lift.run(yako::wire_inputs{.x0 = yako::input_function::home}) &&
+           lift.run(yako::wire_outputs{.y0 = yako::output_function::brake}) &&
+           spindle.run(c630s::wire_inputs{.di1 = c630s::input_function::home_switch}) &&
+           spindle.run(c630s::wire_outputs{.do1 = c630s::output_function::servo_ready});
 }
 
 constexpr auto shared = settings_on_one_line(node<zlac8015d::device>{1}, node<yako::closed_loop::device>{2},

@@ -2,7 +2,8 @@
 // SPDX-License-Identifier: BSL-1.0
 //
 // Coolmay C630S: gives its terminals their functions for good. What the others do, hidden ones (DI5 to DI8, DO5, DO6, the
-// virtual inputs P17) included, is read first: no function may be there twice. servobus/device/c630s.hpp includes it. Source: manual V24.111, sections 6.4.1, 6.4.2, 7.3, 7.4.
+// virtual inputs P17) included, is read first: no function may be there twice.
+// Source: manual V24.111, sections 6.4.1, 6.4.2, 7.3, 7.4.
 //
 //     using enum c630s::input_function;
 //     if (!servo.run(c630s::wire_inputs{.di1 = positive_overtravel, .di2 = negative_overtravel})) return 1;

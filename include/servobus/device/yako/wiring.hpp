@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSL-1.0
 //
 // YAKOTEC Modbus steppers: gives their terminals their functions. What the other inputs do is read first: a function is at
-// one input. `save` keeps it. servobus/device/yako.hpp includes it. Source: manual V2.6.0, section 5.2.
+// one input. `save` keeps it. Source: manual V2.6.0, section 5.2.
 //
 //     using enum yako::input_function;
 //     if (!axis.run(yako::wire_inputs{.x0 = home, .x1 = positive_limit, .x2 = negative_limit})) return 1;

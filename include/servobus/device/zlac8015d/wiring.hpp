@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// ZLTECH ZLAC8015D: gives its terminals their functions. `save` keeps it. servobus/device/zlac8015d.hpp includes it.
+// ZLTECH ZLAC8015D: gives its terminals their functions. `save` keeps it.
 // Source: RS485 manual V1.07, sections 3.6, 3.7 and 4.
 //
 //     using zlac8015d::input_function, zlac8015d::output_function;
