@@ -14,6 +14,7 @@
 #include "../examples/servobus/text/device_file.cpp"
 #include "../examples/servobus/text/device_profile.cpp"
 #include "../examples/servobus/text/device_row.cpp"
+#include "../examples/servobus/text/line_settings.cpp"
 #include "../examples/servobus/text/map_text.cpp"
 #include "../examples/servobus/text/nearest.cpp"
 #include "../examples/servobus/text/numbers.cpp"

@@ -148,6 +148,31 @@ void texts(corpus& to) {
                byte_list(text, text + std::string{text}.size()));
 }
 
+void machine_files(corpus& to) {
+    const auto add = [&](const char* name, const std::string& text) {
+        to.add(name, byte_list(text.begin(), text.end()));
+    };
+    const std::string first = "servobus-machine format=1\n";
+    add("file_lift",
+        first + "[lift] device=yako-closed-loop node=2\nrequire microstep_resolution=1000   # compared\n"
+                "max_current=3.0 A\nholding_current=60 %\nx0_function=home\nx1_function=undefined\n");
+    add("file_two", "\xEF\xBB\xBF" + first +
+                        "[lift]  device=yako-closed-loop node=2 baud=115200 character_format=8N1\r\n\r\n"
+                        "# the press\r\n[press-1] device=c630s node=3 baud=115200 character_format=8N1\r\n"
+                        "require mode_of_operation=position # a comment\r\nnode_address = "
+                        "3\r\nhoming_high_speed=100 r/min\r\n");
+    add("file_twice", first + "[a] device=c630s node=1\n[a] device=c630s node=2\n");
+    add("file_same_input",
+        first + "[a] device=yako-closed-loop node=1\nx0_function=home\nx2_function=home\n");
+    add("file_other_unit",
+        first + "[a] device=yako-closed-loop node=1\nmax_current=2500 mA\nmax_current=2 V\n");
+    add("file_later", "servobus-machine format=2\n");
+    add("findings_all",
+        "servobus-findings format=1 device=zlac8015d\nfirmware=107\nsave=marked # section 3\nby_fault=?\n");
+    add("findings_wrong", "servobus-findings format=1 device=zlac8015d\nsave=perhaps\n");
+    add("findings_twice", "servobus-findings format=1 device=zlac8015d\nsave=no\nsave=yes\n");
+}
+
 void device_files(corpus& to) {
     const auto add = [&](const char* name, const std::string& text) {
         to.add(name, byte_list(text.begin(), text.end()));
@@ -265,11 +290,12 @@ int main() {
     corpus request{"request"}, response{"response"}, server{"server"}, exchange{"exchange"}, line{"line"},
         blocking_line{"blocking_line"}, explain{"explain"}, text{"text"}, simulators{"simulators"},
         libmodbus{"libmodbus"}, of_functions{"functions"}, row_server{"row_server"},
-        conformance{"conformance"}, device_file{"device_file"};
+        conformance{"conformance"}, device_file{"device_file"}, machine_file{"machine_file"};
     calls(line);
     blocking_line_calls(blocking_line);
     texts(text);
     device_files(device_file);
+    machine_files(machine_file);
     functions(of_functions, explain);
     row_requests(row_server);
     // Each command once, undisturbed but for a late response.

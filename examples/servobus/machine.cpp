@@ -35,21 +35,14 @@ std::string text_of(const place& where) {
            text(where.format);
 }
 
-place place_of(const machine_section& wanted, const arguments& asked) {
-    place finished{wanted.node, wanted.baud, wanted.format};
-    if (wanted.says_rate) return finished;
-    const auto baud = asked.number("baud", 600, 4'000'000, finished.baud);
-    if (baud) finished.baud = static_cast<std::uint32_t>(*baud);
-    if (const char* format = asked.text("format"))
-        finished.format = parse_format(format).value_or(finished.format);
-    return finished;
-}
+place finished_place(const machine_section& wanted) { return {wanted.node, wanted.baud, wanted.format}; }
 
-int chosen_machine::take(const arguments& asked) {
+int choose_sections(const arguments& asked, std::vector<machine_section>& sections) {
     const std::string& path = asked.words()[1];
     std::string why;
     const std::string text = read_text_file(path, largest_machine_file, why);
     if (!why.empty()) return complain(usage, why);
+    machine_file file;
     if (why = file.parse(path, text); !why.empty()) return complain(usage, path + ':' + why);
     for (std::size_t i = 2; i < asked.words().size(); ++i) {
         const machine_section* const named = file.find(asked.words()[i]);
@@ -59,20 +52,24 @@ int chosen_machine::take(const arguments& asked) {
             return complain(usage, path + " has no drive [" + asked.words()[i] + "]" +
                                        did_you_mean(asked.words()[i], known, ""));
         }
-        if (std::ranges::find(sections, named) != sections.end())
+        if (std::ranges::find(sections, named->name, &machine_section::name) != sections.end())
             return complain(usage, "[" + named->name + "] is named twice");
-        sections.push_back(named);
+        sections.push_back(*named);
     }
-    if (asked.words().size() == 2) {
-        for (const machine_section& s : file.sections()) sections.push_back(&s);
+    if (asked.words().size() == 2) sections = file.sections();
+    for (machine_section& s : sections) {
+        if (s.says_rate) continue;
+        const std::optional<rate_and_format> setting = parse_rate_and_format(asked, {s.baud, s.format});
+        if (!setting) return usage;
+        s.baud = setting->baud;
+        s.format = setting->format;
     }
     if (asked.has("at") && sections.size() != 1)
         return complain(usage, "--at is about one drive: name it behind " + path);
     if (any_port::is_network(asked.words()[0])) {
-        for (const machine_section* s : sections) {
-            for (const machine_line& l : s->lines) {
-                if (!l.is_required && is_of_line(*s->kind, *l.row) &&
-                    l.row->address != s->kind->node_register)
+        for (const machine_section& s : sections) {
+            for (const machine_line& l : s.lines) {
+                if (!l.is_required && is_of_line(*s.kind, *l.row) && l.row->address != s.kind->node_register)
                     return complain(usage,
                                     path + ':' + std::to_string(l.line) + ": " + name_of(*l.row) +
                                         " cannot be set through a gateway, which has a rate of its own");
@@ -105,16 +102,12 @@ int find_among(const arguments& asked, const machine_section& wanted, const std:
 }
 
 int find_drive(const arguments& asked, const machine_section& wanted, found_drive& found) {
-    const place finished = place_of(wanted, asked);
-    place now = finished;
+    const place finished = finished_place(wanted);
     const auto node = asked.number("at", wanted.kind->facts().lowest_address,
                                    wanted.kind->facts().highest_address, finished.node);
-    const auto baud = asked.number("baud", 600, 4'000'000, finished.baud);
-    if (!node || !baud) return usage;
-    now.node = static_cast<std::uint8_t>(*node);
-    now.baud = static_cast<std::uint32_t>(*baud);
-    if (const char* format = asked.text("format"))
-        now.format = parse_format(format).value_or(finished.format);
+    const auto setting = parse_rate_and_format(asked, {finished.baud, finished.format});
+    if (!node || !setting) return usage;
+    const place now{static_cast<std::uint8_t>(*node), setting->baud, setting->format};
 
     std::optional<found_drive> first;
     if (const int status = find_among(asked, wanted, {now}, first); status != done) return status;

@@ -25,14 +25,10 @@ struct place {
 /// `node 2, 115200 baud 8N1`
 std::string text_of(const place& where);
 
-/// The file of a command line and the sections that it names, all if it names none.
-struct chosen_machine {
-    machine_file file{};
-    std::vector<const machine_section*> sections{};
-
-    /// From the words `PORT FILE [NAME...]` and the option `--at`. Returns `done`, or the exit status after a complaint.
-    int take(const arguments& asked);
-};
+/// The sections of a command line's file that it names, all if it names none; from the words `PORT FILE [NAME...]` and the
+/// option `--at`. Sections that say no rate have that of the command line. Returns `done`, or the exit status after a
+/// complaint.
+int choose_sections(const arguments& asked, std::vector<machine_section>& sections);
 
 /// A session with a drive of the file.
 struct found_drive {
@@ -47,8 +43,8 @@ int find_drive(const arguments& asked, const machine_section& wanted, found_driv
 /// The first of these places at which the drive responds; no complaint if there is none.
 int find_among(const arguments& asked, const machine_section& wanted, const std::vector<place>& places,
                std::optional<found_drive>& found);
-/// Where the file has it; of a file that says no rate, at the rate of the command line.
-place place_of(const machine_section& wanted, const arguments& asked);
+/// Where the file has it.
+place finished_place(const machine_section& wanted);
 
 /// Compares what a section requires, and prints what differs with `[name]` in front of each register. Sets `differing`.
 int compare_required(found_drive& at, const machine_section& wanted, std::size_t& differing);

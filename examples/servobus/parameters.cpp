@@ -56,23 +56,6 @@ servobus::status read_each(session& on, const target& of, row_list rows, std::ve
 
 } // namespace
 
-std::vector<u16> words_of(const entry& row, std::int64_t number) {
-    const auto bits = static_cast<u32>(static_cast<std::uint64_t>(number));
-    if (row.words() == 1) return {static_cast<u16>(bits & 0xFFFFu)};
-    const servobus::word_pair pair = servobus::split_words(bits, servobus::word_order::high_first);
-    return {pair.first, pair.second};
-}
-
-std::int64_t number_of(const entry& row, std::span<const u16> words) {
-    return row.number(row.words() == 1
-                          ? u32{words[0]}
-                          : servobus::join_words(words[0], words[1], servobus::word_order::high_first));
-}
-
-std::string number_text(const entry& row, std::int64_t number) {
-    return value_text(choose(row), words_of(row, number));
-}
-
 std::optional<std::vector<parameter>> read_parameters(session& on, const target& of, row_list rows) {
     std::vector<parameter> all;
     constexpr std::size_t worth_showing = 20;

@@ -40,12 +40,6 @@ std::string file_text(const device& of, std::span<const parameter> all);
 /// anything about the file is wrong.
 std::optional<std::vector<parameter>> parse_file(const device& of, const std::string& path);
 
-/// The number as the register's words, the high word of a pair first, and back.
-std::vector<u16> words_of(const servobus::entry& row, std::int64_t number);
-std::int64_t number_of(const servobus::entry& row, std::span<const u16> words);
-/// As `servobus read` prints it.
-std::string number_text(const servobus::entry& row, std::int64_t number);
-
 /// Reads these rows, which are in address order, in as few requests as they take. A number is missing where
 /// the drive refused. Complains by itself about anything else, and about an interruption.
 std::optional<std::vector<parameter>> read_parameters(session& on, const target& of,

@@ -81,13 +81,18 @@ std::string why_text(const target& of, const chosen& what, const servobus::statu
     return words;
 }
 
-std::optional<servobus::character_format> parse_format(std::string_view text) {
-    using servobus::character_format;
-    if (text == "8N1") return character_format::n81;
-    if (text == "8N2") return character_format::n82;
-    if (text == "8E1") return character_format::e81;
-    if (text == "8O1") return character_format::o81;
-    return std::nullopt;
+std::optional<rate_and_format> parse_rate_and_format(const arguments& asked, rate_and_format otherwise) {
+    const auto baud = asked.number("baud", lowest_baud, highest_baud, otherwise.baud);
+    if (!baud) return std::nullopt;
+    otherwise.baud = static_cast<std::uint32_t>(*baud);
+    const char* const format = asked.text("format");
+    if (format == nullptr) return otherwise;
+    const std::optional<servobus::character_format> parsed = parse_format(format);
+    if (!parsed) {
+        complain(usage, std::string{"--format takes "} + formats_taken + ", not '" + format + "'");
+        return std::nullopt;
+    }
+    return rate_and_format{otherwise.baud, *parsed};
 }
 
 int session::check(const arguments& asked, const target& of) {
@@ -103,22 +108,17 @@ int session::check(const arguments& asked, const target& of) {
     node_.limits = facts.limits;
     node_.gaps = {.gap = facts.gap, .quarantine = facts.quarantine};
 
-    const auto baud = asked.number("baud", 600, 4'000'000, facts.baud);
+    const auto setting = parse_rate_and_format(asked, {facts.baud, facts.format});
     const auto timeout = asked.number("timeout", 1, 60'000, facts.limits.response.us / 1000);
     const auto retries = asked.number("retries", 0, 100, facts.read_retries);
-    if (!baud || !timeout || !retries) return usage;
-    settings_.baud = static_cast<std::uint32_t>(*baud);
+    if (!setting || !timeout || !retries) return usage;
+    settings_.baud = setting->baud;
+    settings_.format = setting->format;
     node_.limits.response = servobus::milliseconds(static_cast<std::uint32_t>(*timeout));
     has_timeout_ = asked.has("timeout");
     retries_ = static_cast<std::uint8_t>(*retries);
     if (!parse_longest_pause(asked, longest_pause_) || !check_gaps(asked)) return usage;
 
-    if (const char* format = asked.text("format")) {
-        const std::optional<servobus::character_format> parsed = parse_format(format);
-        if (!parsed)
-            return complain(usage, std::string{"--format takes 8N1, 8N2, 8E1 or 8O1, not '"} + format + "'");
-        settings_.format = *parsed;
-    }
     const std::optional<bool> echoes = asked.on_or_off("echo");
     if (!echoes) return usage;
     settings_.keeps_echo = *echoes;

@@ -11,6 +11,7 @@
 #include <servobus/client/client.hpp>
 
 #include "os/port.hpp"
+#include "text/line_settings.hpp"
 #include "text/raw.hpp"
 #include "tool.hpp"
 
@@ -58,8 +59,12 @@ std::optional<chosen> parse_register(const target& of, std::string_view text);
 /// From the third word on, for a command that reads. Empty if one of them cannot be read.
 std::vector<chosen> parse_readable(const target& of, const arguments& asked);
 
-/// 8N1, 8N2, 8E1 or 8O1.
-std::optional<servobus::character_format> parse_format(std::string_view text);
+struct rate_and_format {
+    std::uint32_t baud = 0;
+    servobus::character_format format = servobus::character_format::n81;
+};
+/// What `--baud` and `--format` say; `otherwise` for the one that is not given. Complains by itself.
+std::optional<rate_and_format> parse_rate_and_format(const arguments& asked, rate_and_format otherwise);
 
 /// A row of the map as if it had been chosen.
 chosen choose(const servobus::entry& row, servobus::table in = servobus::table::holding_registers);
@@ -73,6 +78,12 @@ std::string what_it_takes(const servobus::entry& row);
 
 /// The content of what was chosen in words: `12.5 A`, `enable (0x0008)`. The high word of a pair is first.
 std::string value_text(const chosen& what, std::span<const u16> words);
+
+/// The number of a register, as `entry::number` gives it, in its words, the high word of a pair first; and back.
+std::vector<u16> words_of(const servobus::entry& row, std::int64_t number);
+std::int64_t number_of(const servobus::entry& row, std::span<const u16> words);
+/// As `servobus read` prints it.
+std::string number_text(const servobus::entry& row, std::int64_t number);
 
 /// Why a row with `flag::zero_by_name` takes no 0 here, and what writes it.
 std::string undocumented_zero(const servobus::entry& e);

@@ -107,9 +107,9 @@ class application {
         if (wanted_->kind->save) {
             if (const int status = unsaved_->remove(wanted_->name, port); status != done) return status;
         }
-        if (at_.where != place_of(*wanted_, *asked_))
+        if (at_.where != finished_place(*wanted_))
             note("[" + wanted_->name + "] responds at " + text_of(at_.where) +
-                 " until it is switched off and on; then at " + text_of(place_of(*wanted_, *asked_)));
+                 " until it is switched off and on; then at " + text_of(finished_place(*wanted_)));
         end();
         return done;
     }
@@ -163,7 +163,7 @@ class application {
                 if (c != nullptr) words.push_back(static_cast<u16>(c->after));
             }
             place next = at_.where;
-            const place finished = place_of(*wanted_, *asked_);
+            const place finished = finished_place(*wanted_);
             next.baud = finished.baud;
             next.format = finished.format;
             if (is_one_frame || words.size() == 1) {
@@ -230,22 +230,22 @@ class application {
 int apply(const arguments& asked) {
     if (asked.words().size() < 2)
         return complain(usage, "apply takes PORT, a machine FILE, and NAMEs of its drives");
-    chosen_machine machine;
-    if (const int status = machine.take(asked); status != done) return status;
-    for (const machine_section* s : machine.sections) {
-        if (const int status = refuse_moving(*s->kind, "apply"); status != done) return status;
+    std::vector<machine_section> sections;
+    if (const int status = choose_sections(asked, sections); status != done) return status;
+    for (const machine_section& s : sections) {
+        if (const int status = refuse_moving(*s.kind, "apply"); status != done) return status;
     }
     interrupts::arm();
     unsaved_drives unsaved{asked.words()[1]};
     std::deque<application> all; // they stay where they are
-    for (const machine_section* s : machine.sections) {
-        all.emplace_back(asked, *s, unsaved);
+    for (const machine_section& s : sections) {
+        all.emplace_back(asked, s, unsaved);
         if (const int status = all.back().plan(); status != done) return status;
     }
     const bool has_work = std::ranges::any_of(all, &application::has_work);
     if (!has_work) {
-        const bool saves = std::ranges::any_of(
-            machine.sections, [](const machine_section* s) { return s->kind->save.has_value(); });
+        const bool saves =
+            std::ranges::any_of(sections, [](const machine_section& s) { return s.kind->save.has_value(); });
         note(std::string{"all is as the file says; nothing to write"} +
              (saves ? "; --save keeps it over a power cycle, if write has set it" : ""));
     }

@@ -243,20 +243,14 @@ int listen(const arguments& asked) {
     const servobus::profile& facts = devices->facts();
     const std::uint32_t limit =
         devices->longest_response().us / 1000 + (is_network ? network_delay.us / 1000 : 0);
-    const auto baud = asked.number("baud", 600, 4'000'000, facts.baud);
+    const auto setting = parse_rate_and_format(asked, {facts.baud, facts.format});
     const auto timeout = asked.number("timeout", 1, 60'000, limit);
     const auto count = asked.number("count", 1, INT32_MAX, 0);
     std::optional<servobus::duration> longest_pause;
-    if (!baud || !timeout || !count || !parse_longest_pause(asked, longest_pause)) return usage;
+    if (!setting || !timeout || !count || !parse_longest_pause(asked, longest_pause)) return usage;
     serial_settings settings{};
-    settings.baud = static_cast<std::uint32_t>(*baud);
-    settings.format = facts.format;
-    if (const char* format = asked.text("format")) {
-        const std::optional<servobus::character_format> parsed = parse_format(format);
-        if (!parsed)
-            return complain(usage, std::string{"--format takes 8N1, 8N2, 8E1 or 8O1, not '"} + format + "'");
-        settings.format = *parsed;
-    }
+    settings.baud = setting->baud;
+    settings.format = setting->format;
     std::optional<log_file> log;
     if (const char* path = asked.text("log")) {
         if (const int status = open_log(log.emplace(), path); status != done) return status;

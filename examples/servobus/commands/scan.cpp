@@ -132,7 +132,7 @@ std::optional<plan> plan_of(const arguments& asked) {
     const char* rates = asked.text("baud");
     for (const std::string& rate : split(rates != nullptr ? rates : "9600,19200,38400,57600,115200")) {
         const std::optional<std::int64_t> number = parse_integer(rate);
-        if (!number || *number < 600 || *number > 4'000'000) {
+        if (!number || *number < lowest_baud || *number > highest_baud) {
             complain(usage, "--baud takes rates from 600 to 4000000, with commas, not '" + rate + "'");
             return std::nullopt;
         }

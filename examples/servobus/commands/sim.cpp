@@ -5,6 +5,7 @@
 #include "../devices/simulators.hpp"
 #include "../text/device_file.hpp"
 #include "../text/findings_file.hpp"
+#include "../text/line_settings.hpp"
 #include "../tool.hpp"
 
 #include <filesystem>
@@ -45,7 +46,7 @@ int simulate(const arguments& asked) {
     if (of == nullptr) return usage;
     const servobus::profile& facts = of->facts();
     const auto node = asked.number("node", facts.lowest_address, facts.highest_address, facts.lowest_address);
-    const auto baud = asked.number("baud", 600, 4'000'000, facts.baud);
+    const auto baud = asked.number("baud", lowest_baud, highest_baud, facts.baud);
     const auto seed = asked.number("seed", 0, INT64_MAX, 1);
     if (!node || !baud || !seed) return usage;
     simulation wanted{.node = static_cast<std::uint8_t>(*node),

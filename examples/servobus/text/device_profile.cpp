@@ -7,6 +7,7 @@
 
 #include "../tool.hpp"
 #include "csv.hpp"
+#include "line_settings.hpp"
 #include "map_text.hpp"
 #include "nearest.hpp"
 
@@ -32,7 +33,7 @@ constexpr number_key number_keys[] = {
      [](profile& p, std::uint32_t n) { p.lowest_address = static_cast<std::uint8_t>(n); }},
     {"highest_address", 1, 247,
      [](profile& p, std::uint32_t n) { p.highest_address = static_cast<std::uint8_t>(n); }},
-    {"baud", 600, 4'000'000, [](profile& p, std::uint32_t n) { p.baud = n; }},
+    {"baud", lowest_baud, highest_baud, [](profile& p, std::uint32_t n) { p.baud = n; }},
     {"word_order_register", 1, 0xFFFF,
      [](profile& p, std::uint32_t n) { p.word_order_register = static_cast<std::uint16_t>(n); }},
     {"eeprom_switch", 1, 0xFFFF,
@@ -147,13 +148,11 @@ std::string owned_profile::set(const std::string& key, std::string_view value) {
         return "word_order takes high, low or selectable, not " + csv::shown(value);
     }
     if (key == "character_format") {
-        using enum servobus::character_format;
-        for (const auto format : {n81, n82, e81, o81}) {
-            if (value != text(format)) continue;
-            facts_.format = format;
-            return {};
-        }
-        return "character_format takes 8N1, 8N2, 8E1 or 8O1, not " + csv::shown(value);
+        const std::optional<servobus::character_format> format = parse_format(value);
+        if (!format)
+            return std::string{"character_format takes "} + formats_taken + ", not " + csv::shown(value);
+        facts_.format = *format;
+        return {};
     }
     if (key == "echoes_byte_count") {
         facts_.limits.echoes_byte_count = value == "yes";

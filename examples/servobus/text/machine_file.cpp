@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "line_settings.hpp"
 #include "nearest.hpp"
 
 namespace tool {
@@ -192,15 +193,17 @@ std::string machine_file::take_key(machine_section& to, std::string_view key, st
         return {};
     }
     if (key == "baud") {
-        if (!number || *number < 600 || *number > 4'000'000)
-            return "baud takes 600 to 4000000, not " + csv::shown(value);
+        if (!number || *number < lowest_baud || *number > highest_baud)
+            return "baud takes " + std::to_string(lowest_baud) + " to " + std::to_string(highest_baud) +
+                   ", not " + csv::shown(value);
         to.baud = static_cast<std::uint32_t>(*number);
         to.says_rate = true;
         return {};
     }
     if (key == "character_format") {
         const std::optional<servobus::character_format> parsed = parse_format(value);
-        if (!parsed) return "character_format takes 8N1, 8N2, 8E1 or 8O1, not " + csv::shown(value);
+        if (!parsed)
+            return std::string{"character_format takes "} + formats_taken + ", not " + csv::shown(value);
         to.format = *parsed;
         to.says_rate = true;
         return {};

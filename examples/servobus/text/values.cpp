@@ -229,6 +229,22 @@ std::string value_text(const chosen& what, std::span<const u16> words) {
     return {room, text.size()};
 }
 
+std::vector<u16> words_of(const entry& row, std::int64_t number) {
+    const auto bits = static_cast<u32>(static_cast<std::uint64_t>(number));
+    if (row.words() == 1) return {static_cast<u16>(bits & 0xFFFFu)};
+    const servobus::word_pair pair = servobus::split_words(bits, high_first);
+    return {pair.first, pair.second};
+}
+
+std::int64_t number_of(const entry& row, std::span<const u16> words) {
+    return row.number(row.words() == 1 ? u32{words[0]}
+                                       : servobus::join_words(words[0], words[1], high_first));
+}
+
+std::string number_text(const entry& row, std::int64_t number) {
+    return value_text(choose(row), words_of(row, number));
+}
+
 std::string undocumented_zero(const entry& e) {
     return std::string{e.name} + ": what 0 does is not documented; only \"write PORT raw:NODE " +
            hex_word(e.address) + "=0\" writes it";
@@ -267,13 +283,7 @@ std::string read_value(const entry& e, bool is_bit, std::string_view text, std::
                       printed(e, e.limits.high) + what_it_takes(e));
     }
     if (count == 0 && has(e.flags, servobus::flag::zero_by_name)) return undocumented_zero(e);
-    const auto bits = static_cast<u32>(static_cast<std::uint64_t>(count));
-    if (e.words() == 1) {
-        words = {static_cast<u16>(bits & 0xFFFFu)};
-    } else {
-        const servobus::word_pair pair = servobus::split_words(bits, high_first);
-        words = {pair.first, pair.second};
-    }
+    words = words_of(e, count);
     return {};
 }
 
