@@ -41,4 +41,8 @@ template <const auto& R> struct keep {
     register_value<R> value;
 };
 
+/// For the rules of a drive: true for one of these rows.
+template <const auto& R, const auto&... Rs>
+inline constexpr bool is_one_of = ((R.address == Rs.address) || ...);
+
 } // namespace servobus::commands

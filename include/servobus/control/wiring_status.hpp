@@ -51,6 +51,11 @@ template <class Function> class wired {
 
 namespace commands {
 
+/// Explains why a wiring has no plan. Not constexpr on purpose.
+template <class Known> constexpr void is_run_by_a_facade() {
+    static_assert(sizeof(Known) == 0, "a wiring is several commands: the facade of the drive runs it");
+}
+
 /// Decides which terminals are freed and which are assigned. Function 0 is none.
 class wiring {
   public:

@@ -25,9 +25,6 @@ template <const auto& R>
 inline constexpr effect effect_of =
     servobus::row_type<R>::words == 2 ? effect::pair_set : effect::parameter_set;
 
-template <const auto& R, const auto&... Rs>
-inline constexpr bool is_one_of = ((R.address == Rs.address) || ...);
-
 /// `set` and `keep` refuse what the facade sets itself, and what acts immediately.
 template <const auto& R> constexpr void check_settable() {
     static_assert(std::is_same_v<typename row_type<R>::device, device>,
@@ -36,16 +33,16 @@ template <const auto& R> constexpr void check_settable() {
                   "a setting of the line is no parameter: change_address and change_line write it");
     static_assert(has(R.flags, flag::saved_on_write) && !has(R.flags, flag::trigger),
                   "a command of the drive writes this register: enable, fault_reset, home, restart, ...");
-    static_assert(!has(R.flags, flag::motion) && !is_one_of<R, jog_speed>,
+    static_assert(!has(R.flags, flag::motion) && !commands::is_one_of<R, jog_speed>,
                   "a target is no parameter: velocity, torque, jog and step_size set it");
-    static_assert(
-        !is_one_of<R, mode_of_operation, main_speed_source, auxiliary_speed_source, speed_command_selection,
-                   main_torque_source, torque_command_selection, position_command_source,
-                   position_segment_mode, speed_segment_mode, positioning_completed_condition>,
-        "a mode and its sources are set by enable_in{} and its kin, at each enable");
+    static_assert(!commands::is_one_of<R, mode_of_operation, main_speed_source, auxiliary_speed_source,
+                                       speed_command_selection, main_torque_source, torque_command_selection,
+                                       position_command_source, position_segment_mode, speed_segment_mode,
+                                       positioning_completed_condition>,
+                  "a mode and its sources are set by enable_in{} and its kin, at each enable");
     static_assert(R.address >> 8 != 0x17 && R.address >> 8 < 0x30 &&
-                      !is_one_of<R, virtual_inputs_enable, virtual_outputs_enable, virtual_inputs_at_power_on,
-                                 power_on_functions_1_to_16>,
+                      !commands::is_one_of<R, virtual_inputs_enable, virtual_outputs_enable,
+                                           virtual_inputs_at_power_on, power_on_functions_1_to_16>,
                   "the virtual terminals are arranged by set_up{}");
 }
 

@@ -69,11 +69,11 @@ struct close_keeping {
     }
 };
 
-/// The wired terminals of one kind, `Count` of them from `First` on, and the rivals behind them, `Rivals` from
+/// The wired terminals of one kind, `Count` of them from `First` on, and the rivals after them, `Rivals` from
 /// `FirstRival` on. Each has two registers, function and logic.
 template <std::uint16_t First, std::size_t Count, std::uint16_t FirstRival, std::size_t Rivals>
 struct wiring_of {
-    static constexpr std::uint16_t address(std::size_t i) { return behind(First, i); }
+    static constexpr std::uint16_t address(std::size_t i) { return after(First, i); }
 
     template <class Drive, class Run>
     static constexpr wiring_status run(commands::wiring& all, const Drive& drive, Run& run_part) {
@@ -86,11 +86,11 @@ struct wiring_of {
             for (std::size_t k = 0; k < some; ++k, ++i) all.hold(i, word_of(drive, 2 * k));
         }
         for (std::size_t i = 0; i < Rivals;) {
-            const routine_status looked = run_part(look_at_terminals{behind(FirstRival, i), true});
-            if (!looked) return {looked, behind(FirstRival, i)};
+            const routine_status looked = run_part(look_at_terminals{after(FirstRival, i), true});
+            if (!looked) return {looked, after(FirstRival, i)};
             for (std::size_t k = 0; k < 4; ++k, ++i) {
                 if (all.place_of(word_of(drive, 2 * k)) != all.nowhere)
-                    return refused(errc::already_assigned, behind(FirstRival, i));
+                    return refused(errc::already_assigned, after(FirstRival, i));
             }
         }
         if (all.is_as_wanted()) return {};
@@ -109,7 +109,7 @@ struct wiring_of {
     static constexpr wiring_status refused(errc why, std::uint16_t at) { return {routine_status{why}, at}; }
 
   private:
-    static constexpr std::uint16_t behind(std::uint16_t first, std::size_t terminals) {
+    static constexpr std::uint16_t after(std::uint16_t first, std::size_t terminals) {
         return static_cast<std::uint16_t>(first + 2 * terminals);
     }
     template <class Drive> static constexpr std::uint16_t word_of(const Drive& drive, std::size_t i) {
@@ -119,11 +119,6 @@ struct wiring_of {
 using wiring_of_inputs =
     wiring_of<di1_function.address, 8, virtual_input_functions.first.address, virtual_input_functions.size>;
 using wiring_of_outputs = wiring_of<do1_function.address, 6, 0, 0>;
-
-// Not constexpr on purpose.
-template <class Known> constexpr void is_run_by_a_facade() {
-    static_assert(sizeof(Known) == 0, "a wiring is several commands: the facade of the drive runs it");
-}
 } // namespace detail
 
 /// Gives wired inputs their functions, P03-02 to P03-16, for good; with the servo off. Inputs that are not named keep
@@ -161,7 +156,7 @@ struct wire_inputs {
         return all_of::run(all, drive, run);
     }
     template <class Known> constexpr prepared_command plan(const Known&) const {
-        detail::is_run_by_a_facade<Known>();
+        commands::is_run_by_a_facade<Known>();
         return detail::refused(errc::bad_argument);
     }
 };
@@ -189,7 +184,7 @@ struct wire_outputs {
         return all_of::run(all, drive, run);
     }
     template <class Known> constexpr prepared_command plan(const Known&) const {
-        detail::is_run_by_a_facade<Known>();
+        commands::is_run_by_a_facade<Known>();
         return detail::refused(errc::bad_argument);
     }
 };

@@ -39,10 +39,6 @@ struct look_at_inputs {
 constexpr wiring_status refused_at(errc why, unsigned terminal) {
     return {routine_status{why}, static_cast<std::uint16_t>(terminal)};
 }
-// Not constexpr on purpose.
-template <class Known> constexpr void is_run_by_a_facade() {
-    static_assert(sizeof(Known) == 0, "a wiring is several commands: the facade of the drive runs it");
-}
 } // namespace detail
 
 /// Gives inputs their functions, 0041h to 0047h, while the motor is free and stands. Inputs that are not named keep
@@ -86,7 +82,7 @@ struct wire_inputs {
         return {how, how ? std::uint16_t{0} : at};
     }
     template <class Known> constexpr prepared_command plan(const Known&) const {
-        detail::is_run_by_a_facade<Known>();
+        commands::is_run_by_a_facade<Known>();
         return {.steps = no_steps};
     }
 
@@ -115,7 +111,7 @@ struct wire_outputs {
         return {};
     }
     template <class Known> constexpr prepared_command plan(const Known&) const {
-        detail::is_run_by_a_facade<Known>();
+        commands::is_run_by_a_facade<Known>();
         return {.steps = no_steps};
     }
 };

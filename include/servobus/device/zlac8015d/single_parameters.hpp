@@ -42,35 +42,35 @@ inline constexpr step current_limits[] = {
 } // namespace routines
 
 namespace detail {
-template <const auto& R, const auto&... Rs>
-inline constexpr bool is_one_of = ((R.address == Rs.address) || ...);
-
 /// Each row that `set` does not take has a command of its own.
 template <const auto& R> constexpr void check_settable() {
     static_assert(std::is_same_v<typename row_type<R>::device, device>,
                   "this register belongs to another device");
     static_assert(!has(R.flags, flag::communication),
                   "a setting of the line is no parameter: change_address and change_baud_rate write it");
-    static_assert(!has(R.flags, flag::trigger) && !is_one_of<R, mode_of_operation, position_synchronisation>,
+    static_assert(!has(R.flags, flag::trigger) &&
+                      !commands::is_one_of<R, mode_of_operation, position_synchronisation>,
                   "a command of the drive writes this register: enable_in, save, clear_position, ...");
     static_assert(!has(R.flags, flag::motion),
                   "a target is no parameter: velocity, torque and the moves set it");
-    static_assert(!is_one_of<R, host_timeout>, "the watchdog's time is set by watchdog{}");
-    static_assert(!is_one_of<R, speed_resolution>, "the resolution of speeds is set by resolution{}");
-    static_assert(!is_one_of<R, left_acceleration_time, right_acceleration_time, left_deceleration_time,
-                             right_deceleration_time>,
+    static_assert(!commands::is_one_of<R, host_timeout>, "the watchdog's time is set by watchdog{}");
+    static_assert(!commands::is_one_of<R, speed_resolution>,
+                  "the resolution of speeds is set by resolution{}");
+    static_assert(!commands::is_one_of<R, left_acceleration_time, right_acceleration_time,
+                                       left_deceleration_time, right_deceleration_time>,
                   "the ramps of both wheels are set by ramps{}");
-    static_assert(!is_one_of<R, left_quick_stop_time, right_quick_stop_time>,
+    static_assert(!commands::is_one_of<R, left_quick_stop_time, right_quick_stop_time>,
                   "the ramps of a quick stop are set by quick_stop_ramp{}");
-    static_assert(!is_one_of<R, quick_stop_option_code>, "what a quick stop does is set by quick_stop_by{}");
-    static_assert(!is_one_of<R, left_torque_slope, right_torque_slope>,
+    static_assert(!commands::is_one_of<R, quick_stop_option_code>,
+                  "what a quick stop does is set by quick_stop_by{}");
+    static_assert(!commands::is_one_of<R, left_torque_slope, right_torque_slope>,
                   "the slopes of the torques are set by torque_slope{}");
-    static_assert(!is_one_of<R, left_max_speed, right_max_speed>,
+    static_assert(!commands::is_one_of<R, left_max_speed, right_max_speed>,
                   "the top speeds of the position modes are set by position_speed{}");
-    static_assert(!is_one_of<R, left_brake, right_brake>, "the brake outputs are set by brakes{}");
-    static_assert(!is_one_of<R, input_stop>,
+    static_assert(!commands::is_one_of<R, left_brake, right_brake>, "the brake outputs are set by brakes{}");
+    static_assert(!commands::is_one_of<R, input_stop>,
                   "what the shafts do after a wired stop is set by on_input_stop{}");
-    static_assert(!is_one_of<R, parking_mode>, "the parking mode is set by park{}");
+    static_assert(!commands::is_one_of<R, parking_mode>, "the parking mode is set by park{}");
 }
 
 /// The registers of the right motor are 30h after those of the left one.
@@ -102,7 +102,7 @@ constexpr prepared_command plan(const set<R>& wanted, const cached_settings& cac
     const errc state = is_tuned ? detail::needs_init_done(cached) : detail::needs_disabled(cached);
     const std::uint16_t word = detail::as_word(wanted.value.bits());
     const errc refusal = detail::first_error(state, wanted.value.error());
-    if constexpr (detail::is_one_of<R, max_motor_speed>) {
+    if constexpr (commands::is_one_of<R, max_motor_speed>) {
         return {.steps = routines::set_top_speed,
                 .arguments = {cached.resolution, word},
                 .then = effect::speeds_set,

@@ -17,10 +17,6 @@
 namespace servobus::zlac8015d {
 
 namespace detail {
-// Not constexpr on purpose.
-template <class Known> constexpr void is_run_by_a_facade() {
-    static_assert(sizeof(Known) == 0, "a wiring is several commands: the facade of the drive runs it");
-}
 /// Sets the function of terminal `R`, if it is named.
 template <const auto& R, class Function, class Run>
 constexpr wiring_status wire(const wired<Function>& to, Run& run) {
@@ -42,7 +38,7 @@ struct wire_inputs {
         return first ? detail::wire<x1_function>(x1, run) : first;
     }
     template <class Known> constexpr prepared_command plan(const Known&) const {
-        detail::is_run_by_a_facade<Known>();
+        commands::is_run_by_a_facade<Known>();
         return {.steps = no_steps};
     }
 };
@@ -58,7 +54,7 @@ struct wire_outputs {
         return first ? detail::wire<y1_function>(y1, run) : first;
     }
     template <class Known> constexpr prepared_command plan(const Known&) const {
-        detail::is_run_by_a_facade<Known>();
+        commands::is_run_by_a_facade<Known>();
         return {.steps = no_steps};
     }
 };
