@@ -15,6 +15,7 @@
 #include <servobus/control/take_over.hpp>
 #include <servobus/device/c630s.hpp>
 #include <servobus/device/c630s/registers.hpp>
+#include <servobus/device/yako/wiring.hpp>
 #include <servobus/device/zlac8015d.hpp>
 #include <servobus/line/ring.hpp>
 #include <servobus/modbus/functions.hpp>
@@ -296,6 +297,7 @@ int main() {
         (void)wheels.run(zlac::set<zlac::left_speed_kp>{600});
         (void)stepper.run(yako::set<yako::open_loop::max_current>{3 * units::ampere});
         (void)stepper.run(yako::set_microsteps{2000});
+        (void)stepper.run(yako::wire_inputs{.x0 = yako::input_function::home});
         (void)servo.run(c630s::enable_in{c630s::control_mode::speed});
         (void)servo.run(c630s::keep<c630s::pulses_per_revolution>{checked(raw(10000))});
         (void)wheels.run(zlac::save{});
