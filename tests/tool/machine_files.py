@@ -57,7 +57,7 @@ def a_drive(tool: Tool):
         tool.run(f"apply drive machine.txt {WAIT}", stdin="yes\n")
         tool.check("is refused while the motor is enabled", tool.last.status == 1 and "auxiliary_command=release" in
                    tool.last.err and tool.last.out == "", tool.found())
-        tool.run("write drive yako-closed-loop:2 auxiliary_command=release --yes")
+        tool.run(f"write drive yako-closed-loop:2 auxiliary_command=release --yes {WAIT}")
         tool.run(f"apply drive machine.txt --dry-run {WAIT}")
         tool.check("a dry run", tool.last.status == 0 and len(tool.last.lines) == len(differing), tool.found())
         planned = tool.last.lines
@@ -74,21 +74,21 @@ def a_drive(tool: Tool):
         tool.exits("as diff sees", f"diff drive machine.txt {WAIT}", 0)
         power_cycle(drive)
         tool.exits("also after a power cycle", f"diff drive machine.txt {WAIT}", 0)
-        tool.run("write drive yako-closed-loop:2 auxiliary_command=release --yes")
+        tool.run(f"write drive yako-closed-loop:2 auxiliary_command=release --yes {WAIT}")
         tool.run(f"apply drive machine.txt --yes {WAIT}")
         tool.check("twice: the second writes nothing", tool.last.status == 0 and tool.last.out == "", tool.found())
         tool.err_has("and says so", "nothing to write")
-        tool.run("write drive yako-closed-loop:2 max_current=2000")
+        tool.run(f"write drive yako-closed-loop:2 max_current=2000 {WAIT}")
         power_cycle(drive)
         tool.exits("what is only written is lost with the power", f"diff drive machine.txt {WAIT}", 0)
-        tool.run("write drive yako-closed-loop:2 auxiliary_command=release positioning_speed=150 --yes")
+        tool.run(f"write drive yako-closed-loop:2 auxiliary_command=release positioning_speed=150 --yes {WAIT}")
         tool.write("slower.txt", LIFT.replace("=200", "=150"))
         tool.run(f"apply drive slower.txt --yes --save {WAIT}")
         tool.check("--save keeps it where nothing differs", tool.last.status == 0 and "0 parameters of 4 differ" in
                    tool.last.err, tool.found())
         power_cycle(drive)
         tool.exits("over a power cycle", f"diff drive slower.txt {WAIT}", 0)
-        tool.run("write drive yako-closed-loop:2 auxiliary_command=release --yes")
+        tool.run(f"write drive yako-closed-loop:2 auxiliary_command=release --yes {WAIT}")
         tool.run(f"apply drive machine.txt --yes {WAIT}")
         tool.write("other.txt", LIFT.replace("=1000", "=3200"))
         tool.run(f"apply drive other.txt --yes {WAIT}")
@@ -132,12 +132,12 @@ def changed_meanwhile(tool: Tool):
     """Another program writes between the list and the consent."""
     tool.write("machine.txt", LIFT)
     with tool.simulated("yako-closed-loop --node 2"):
-        tool.run("write drive yako-closed-loop:2 auxiliary_command=release --yes")
+        tool.run(f"write drive yako-closed-loop:2 auxiliary_command=release --yes {WAIT}")
         reads, writes = os.pipe()
         with os.fdopen(reads) as stdin:
             running = tool.start(f"apply drive machine.txt {WAIT}", stdin=stdin)
             until(lambda: "Type apply" in running.err)
-            tool.run("write drive yako-closed-loop:2 max_current=2000")
+            tool.run(f"write drive yako-closed-loop:2 max_current=2000 {WAIT}")
             os.write(writes, b"apply\n")
             os.close(writes)
             ended = tool.ends(running)
@@ -153,7 +153,7 @@ def interrupted(tool: Tool):
     for what in ("power", "program", "line"):
         for written in range(4):
             with tool.simulated("yako-closed-loop --node 2") as drive:
-                tool.run("write drive yako-closed-loop:2 auxiliary_command=release --yes")
+                tool.run(f"write drive yako-closed-loop:2 auxiliary_command=release --yes {WAIT}")
                 running = tool.start(f"apply drive machine.txt --yes {WAIT}")
                 seen = until(lambda: running.out.count("lift.") >= 3 + written or running.process.poll() is not None)
                 if what == "power":
@@ -167,7 +167,7 @@ def interrupted(tool: Tool):
                     tell(drive, signal.SIGUSR1, "plugged in")
                 played[what] += seen and first.status != 0
                 played["left unsaved"] += tool.exists("machine.txt.unsaved")
-                tool.run("write drive yako-closed-loop:2 auxiliary_command=release --yes")
+                tool.run(f"write drive yako-closed-loop:2 auxiliary_command=release --yes {WAIT}")
                 tool.run(f"apply drive machine.txt --yes {WAIT}")
                 tool.check(f"{what} after {written}: again", tool.last.status == 0, first.err + tool.found())
                 power_cycle(drive)
@@ -181,8 +181,8 @@ def written_but_not_saved(tool: Tool):
     """A program that was killed between the last write and the save: the drive holds all, and would lose it."""
     tool.write("machine.txt", LIFT)
     with tool.simulated("yako-closed-loop --node 2") as drive:
-        tool.run("write drive yako-closed-loop:2 auxiliary_command=release --yes")
-        tool.run("write drive yako-closed-loop:2 holding_current=60 max_current=3000 x0_function=home positioning_speed=200")
+        tool.run(f"write drive yako-closed-loop:2 auxiliary_command=release --yes {WAIT}")
+        tool.run(f"write drive yako-closed-loop:2 holding_current=60 max_current=3000 x0_function=home positioning_speed=200 {WAIT}")
         tool.exits("the drive holds it", f"diff drive machine.txt {WAIT}", 0)
         tool.write("machine.txt.unsaved", "lift\n")
         tool.run(f"apply drive machine.txt --dry-run {WAIT}")
@@ -343,7 +343,7 @@ def turns(tool: Tool):
         tool.check("nobody has turned it", tool.last.status == 1 and "no position has changed" in tool.last.err, tool.found())
         tool.run(f"turn drive zlac8015d {WAIT}")
         tool.check("nor pressed Enter", tool.last.status == 1 and "nobody has pressed Enter" in tool.last.err)
-        tool.run("write drive zlac8015d mode_of_operation=velocity control_word=enable --yes")
+        tool.run(f"write drive zlac8015d mode_of_operation=velocity control_word=enable --yes {WAIT}")
         tool.run(f"turn drive zlac8015d {WAIT}", stdin="\n")
         tool.check("enabled", tool.last.status == 1 and "refused: a shaft is held" in tool.last.err, tool.found())
     tool.write("wheels.csv", WHEELS)
