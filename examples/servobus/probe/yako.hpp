@@ -6,26 +6,23 @@
 // end. Not probed, since they would cost the owner's parameters or need an alarm: `restores_eeprom`, `alarm`.
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <optional>
-#include <vector>
 
 #include <servobus/core/bytes.hpp>
 #include <servobus/device/yako/closed_loop.hpp>
 #include <servobus/device/yako/common.hpp>
 #include <servobus/device/yako/homing.hpp>
 
-#include "bench.hpp"
-#include "findings.hpp"
+#include "probe_steps.hpp"
 
 namespace tool {
 
 /// The drive is at rest and without an alarm. `has_encoder`: closed loop.
-class yako_probe {
+class yako_probe : probe_steps {
   public:
     yako_probe(probe_bench& on, findings& found, bool has_encoder)
-        : on_{&on}, found_{&found}, has_encoder_{has_encoder} {}
+        : probe_steps{on, found, servobus::milliseconds(50)}, has_encoder_{has_encoder} {}
 
     void run() {
         note_old_words();
@@ -45,26 +42,17 @@ class yako_probe {
             if (has_encoder_) speed_unit();
             after_power_cycles();
         }
-        make_safe();
-        if (!on_->is_back(servobus::yako::status_word.address)) return;
-        make_safe();
-        restore();
+        give_back();
     }
 
   private:
-    using u16 = std::uint16_t;
     using bits = servobus::yako::motion_status;
     using motion = servobus::yako::motion_code;
     using auxiliary = servobus::yako::auxiliary;
 
     static constexpr u16 slow = 5;        // r/min, the least that a homing takes
     static constexpr u16 short_ramp = 30; // ms, the least that a homing takes
-    static constexpr auto a_while = servobus::milliseconds(50);
-
-    struct old_word {
-        u16 address;
-        u16 word;
-    };
+    static constexpr int most = 200;      // readings
 
     // --- Registers
 
@@ -77,27 +65,24 @@ class yako_probe {
               y::homing_offset_mode.address, y::homing_ramp_time.address, y::in_position_time.address,
               c::jog_speed.address, c::start_speed.address, c::positioning_speed.address,
               c::homing_method.address, c::homing_fast_speed.address, c::homing_slow_speed.address})
-            old_.push_back({address, on_->read(address)});
-        if (has_encoder_)
-            old_.push_back({c::speed_resolution.address, on_->read(c::speed_resolution.address)});
-        old_offset_ = on_->read_pair(y::home_offset.address);
-        old_target_ = on_->read_pair(y::target_position.address);
-        is_low_first_ = old_word_of(y::pair_word_order.address) != 0;
+            old_.note(address);
+        if (has_encoder_) old_.note(c::speed_resolution.address);
+        old_.note_pair(y::home_offset.address);
+        old_.note_pair(y::target_position.address);
+        note_order(y::pair_word_order.address);
         was_enabled_ = !has(bits::released_bit);
     }
-    u16 old_word_of(u16 address) const {
-        for (const old_word& o : old_) {
-            if (o.address == address) return o.word;
+    // The owner's words, in the EEPROM where the probe's are there. Again if the line is lost meanwhile.
+    void give_back() {
+        for (int i = 0; i < 3; ++i) {
+            make_safe();
+            if (!on_->is_back(servobus::yako::status_word.address)) return;
+            make_safe();
+            old_.restore();
+            help(was_enabled_ ? auxiliary::enable : auxiliary::release);
+            if (has_saved_) help(auxiliary::save_parameters);
+            if (!on_->has_failed()) return;
         }
-        return 0;
-    }
-    void put_back(u16 address) { (void)on_->write(address, old_word_of(address)); }
-    void restore() {
-        namespace y = servobus::yako;
-        for (const old_word& o : old_) (void)on_->write(o.address, o.word);
-        (void)on_->write_pair(y::home_offset.address, old_offset_);
-        (void)on_->write_pair(y::target_position.address, old_target_);
-        help(was_enabled_ ? auxiliary::enable : auxiliary::release);
     }
     // What every motion here runs with.
     void go_slowly() {
@@ -113,16 +98,7 @@ class yako_probe {
               y::acceleration_time.address, y::deceleration_time.address, y::homing_ramp_time.address})
             (void)on_->write(address, short_ramp);
     }
-    std::array<u16, 2> words_of(std::int32_t value) const {
-        const auto high = static_cast<u16>(static_cast<std::uint32_t>(value) >> 16);
-        const auto low = static_cast<u16>(static_cast<std::uint32_t>(value) & 0xFFFFu);
-        return is_low_first_ ? std::array{low, high} : std::array{high, low};
-    }
-    std::int32_t position() {
-        const std::array<u16, 2> words = on_->read_pair(servobus::yako::actual_position.address);
-        const std::uint32_t high = words[is_low_first_ ? 1 : 0], low = words[is_low_first_ ? 0 : 1];
-        return static_cast<std::int32_t>(high << 16 | low);
-    }
+    std::int32_t position() { return read_number(servobus::yako::actual_position.address); }
     u16 status() { return on_->read(servobus::yako::status_word.address); }
     bool has(u16 bit) { return (status() & bit) != 0; }
     int speed() {
@@ -137,25 +113,22 @@ class yako_probe {
     bool help(auxiliary a) {
         return on_->write(servobus::yako::auxiliary_command.address, static_cast<u16>(a));
     }
+    void save() {
+        has_saved_ = has_saved_ || !on_->has_failed();
+        help(auxiliary::save_parameters);
+    }
     void make_safe() {
         on_->write_safely(servobus::yako::motion_command.address, motion::emergency_stop().to_word());
         on_->write_safely(servobus::yako::auxiliary_command.address, static_cast<u16>(auxiliary::release));
     }
-    template <class Condition> bool until(Condition is_so, int times = 200) {
-        for (int i = 0; i < times && !on_->has_failed(); ++i) {
-            if (is_so()) return true;
-            on_->wait(a_while);
-        }
-        return false;
-    }
     bool rests() {
-        return until([&] { return !has(bits::moving_bit); });
+        return until([&] { return !has(bits::moving_bit); }, most);
     }
     // Enabled, at rest, its parameters slow.
     void enable() {
         go_slowly();
         help(auxiliary::enable);
-        on_->wait(a_while);
+        wait();
     }
     void stop() {
         command(motion::stop());
@@ -171,7 +144,7 @@ class yako_probe {
     }
     bool moves(std::int32_t way) {
         namespace y = servobus::yako;
-        (void)on_->write_pair(y::target_position.address, words_of(way));
+        (void)write_number(y::target_position.address, way);
         return command(motion::move(y::positioning::relative));
     }
     bool is_in_motion() {
@@ -180,13 +153,13 @@ class yako_probe {
     // Takes the present place as home without motion, and keeps the position.
     void home_here() {
         namespace y = servobus::yako;
-        (void)on_->write_pair(y::home_offset.address, words_of(0));
+        (void)write_number(y::home_offset.address, 0);
         (void)on_->write(y::homing_offset_mode.address,
                          static_cast<u16>(y::offset_handling::stay_position_actual));
         (void)on_->write(y::closed_loop::homing_method.address,
                          static_cast<u16>(y::homing::current_position));
         command(motion::home());
-        on_->wait(a_while);
+        wait();
         (void)rests();
     }
     // A search for a home switch that does not come soon: it turns slowly until it is stopped.
@@ -195,19 +168,9 @@ class yako_probe {
         (void)on_->write(y::closed_loop::homing_method.address, 20);
         command(motion::home());
     }
-    void found(const char* name, bool is_so) {
-        if (!on_->has_failed()) found_->set(name, is_so ? "yes" : "no");
-    }
-    void found(const char* name, const char* way) {
-        if (!on_->has_failed()) found_->set(name, way);
-    }
-
     // --- Steps without motion
 
-    void bad_crc() {
-        const seen is_answered = on_->answers_bad_crc();
-        if (is_answered != seen::unknown) found("answers_bad_crc", is_answered == seen::yes);
-    }
+    void bad_crc() { found("answers_bad_crc", on_->answers_bad_crc()); }
     void what_commands_read() {
         command(motion::stop());
         found("commands_read_back", on_->read(servobus::yako::motion_command.address) != 0);
@@ -216,12 +179,11 @@ class yako_probe {
     void at_another_address() {
         namespace y = servobus::yako;
         if ((on_->read(y::dip_switches.address) & 0x1Fu) != 0) return;
-        const u16 node = old_word_of(y::node_address.address);
+        const u16 node = old_.word(y::node_address.address);
         const auto other = static_cast<u16>(node == 77 ? 78 : 77);
         (void)on_->write(y::node_address.address, other);
-        const seen is_there = on_->responds_at(static_cast<std::uint8_t>(other));
-        if (is_there != seen::unknown) found("moves_address_immediately", is_there == seen::yes);
-        put_back(y::node_address.address);
+        found("moves_address_immediately", on_->responds_at(static_cast<std::uint8_t>(other)));
+        old_.put_back(y::node_address.address);
     }
     void start_while_released() {
         help(auxiliary::release);
@@ -237,7 +199,7 @@ class yako_probe {
         namespace y = servobus::yako;
         enable();
         const bool was_homed = has(bits::homed_bit);
-        (void)on_->write_pair(y::home_offset.address, words_of(40));
+        (void)write_number(y::home_offset.address, 40);
         (void)on_->write(y::homing_offset_mode.address,
                          static_cast<u16>(y::offset_handling::move_position_actual));
         (void)on_->write(y::closed_loop::homing_method.address,
@@ -282,7 +244,7 @@ class yako_probe {
         home_here();
         if (!has(bits::homed_bit)) return;
         command(motion::emergency_stop());
-        on_->wait(a_while);
+        wait();
         if (!has(bits::homed_bit)) return found("homed", "until_place_lost");
         search();
         if (is_in_motion()) {
@@ -323,9 +285,9 @@ class yako_probe {
         const std::int32_t from = position();
         moves(200);
         if (!is_in_motion()) return;
-        (void)on_->write_pair(y::target_position.address, words_of(50));
+        (void)write_number(y::target_position.address, 50);
         command(motion::move(y::positioning::relative, y::while_moving::interrupt));
-        on_->wait(a_while);
+        wait();
         if (!rests()) return stop();
         const std::int32_t way = position() - from;
         if (way > 45 && way < 190) found("interrupts_from_target", false);
@@ -357,13 +319,13 @@ class yako_probe {
         const u16 before = status();
         const std::int32_t place = position();
         const u16 time = other_than(y::jog_acceleration_time.address, 700, 800);
-        const auto order = static_cast<u16>(is_low_first_ ? 0 : 1);
+        const auto order = static_cast<u16>(old_.word(y::pair_word_order.address) != 0 ? 0 : 1);
         (void)on_->write(y::jog_acceleration_time.address, time);
         (void)on_->write(y::pair_word_order.address, order);
         if (!on_->switch_off_and_on()) return;
         const bool is_time_kept = on_->read(y::jog_acceleration_time.address) == time;
         const bool is_order_kept = on_->read(y::pair_word_order.address) == order;
-        put_back(y::pair_word_order.address);
+        old_.put_back(y::pair_word_order.address);
         const u16 after = status();
         found("is_enabled_at_power_on", (after & bits::released_bit) == 0);
         if ((before & bits::homed_bit) != 0) found("restart_keeps_homed", (after & bits::homed_bit) != 0);
@@ -377,14 +339,12 @@ class yako_probe {
         const bool is_saved = saved_while_moving();
         if (!is_saved) {
             (void)on_->write(y::jog_acceleration_time.address, time);
-            help(auxiliary::save_parameters);
+            save();
             on_->wait(servobus::milliseconds(200));
             if (!on_->switch_off_and_on()) return;
         }
         const bool is_kept_by_save = on_->read(y::jog_acceleration_time.address) == time;
         found("kept", keeps_line ? "line_settings" : is_kept_by_save ? "saved" : "marked");
-        restore();
-        help(auxiliary::save_parameters);
     }
     // True if it was, and then the row without S has been saved or lost too.
     bool saved_while_moving() {
@@ -396,7 +356,7 @@ class yako_probe {
         if (!is_in_motion()) return false;
         (void)on_->write(y::jog_acceleration_time.address,
                          other_than(y::jog_acceleration_time.address, 700, 800));
-        help(auxiliary::save_parameters);
+        save();
         const bool was_moving = has(bits::moving_bit);
         on_->wait(servobus::milliseconds(200));
         stop();
@@ -405,18 +365,11 @@ class yako_probe {
         found("saves_while_moving", is_saved);
         return is_saved;
     }
-    u16 other_than(u16 address, u16 one, u16 other) const {
-        return old_word_of(address) == one ? other : one;
-    }
+    u16 other_than(u16 address, u16 one, u16 other) const { return old_.word(address) == one ? other : one; }
 
-    probe_bench* on_;
-    findings* found_;
     bool has_encoder_;
-    std::vector<old_word> old_{};
-    std::array<u16, 2> old_offset_{};
-    std::array<u16, 2> old_target_{};
-    bool is_low_first_ = false;
     bool was_enabled_ = false;
+    bool has_saved_ = false;
     std::optional<bool> is_set_in_motion_{}; // bit 0 during a jog
     std::optional<bool> is_set_after_stop_{};
 };

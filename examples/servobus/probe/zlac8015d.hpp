@@ -6,21 +6,18 @@
 #pragma once
 
 #include <cstdint>
-#include <string>
-#include <vector>
 
 #include <servobus/device/zlac8015d/registers.hpp>
 #include <servobus/device/zlac8015d/values.hpp>
 
-#include "bench.hpp"
-#include "findings.hpp"
+#include "probe_steps.hpp"
 
 namespace tool {
 
 /// The drive is at rest, not enabled and without a fault.
-class zlac8015d_probe {
+class zlac8015d_probe : probe_steps {
   public:
-    zlac8015d_probe(probe_bench& on, findings& found) : on_{&on}, found_{&found} {}
+    zlac8015d_probe(probe_bench& on, findings& found) : probe_steps{on, found, servobus::milliseconds(100)} {}
 
     void run() {
         note_old_words();
@@ -38,17 +35,17 @@ class zlac8015d_probe {
             one_wheel_at_fault();
         }
         stop();
-        restore();
+        old_.restore();
         what_is_saved();
         if (!on_->has_failed()) return;
         stop();
         if (!on_->is_back(servobus::zlac8015d::status_word.address)) return;
         stop();
-        restore();
+        save_again();
+        old_.restore();
     }
 
   private:
-    using u16 = std::uint16_t;
     using mode = servobus::zlac8015d::operating_mode;
     using control = servobus::zlac8015d::control_code;
     using shaft = servobus::zlac8015d::shaft_state;
@@ -58,12 +55,7 @@ class zlac8015d_probe {
     static constexpr u16 watchdog = 5000;      // ms, while nothing is asked of it
     static constexpr u16 short_watchdog = 300; // ms
     static constexpr u16 ramp = 200;           // ms
-    static constexpr auto a_while = servobus::milliseconds(100);
-
-    struct old_word {
-        u16 address;
-        u16 word;
-    };
+    static constexpr int most = 50;            // readings
 
     void note_old_words() {
         namespace z = servobus::zlac8015d;
@@ -74,20 +66,10 @@ class zlac8015d_probe {
               z::left_deceleration_time.address, z::right_deceleration_time.address,
               z::left_target_speed.address, z::right_target_speed.address, z::left_target_torque.address,
               z::right_target_torque.address, z::left_brake.address, z::right_brake.address})
-            old_.push_back({address, on_->read(address)});
+            old_.note(address);
         resolution_ = on_->read(z::speed_resolution.address);
         if (resolution_ == 0) resolution_ = 1;
     }
-    void restore() {
-        for (const old_word& o : old_) (void)on_->write(o.address, o.word);
-    }
-
-    void put_back(u16 address) {
-        for (const old_word& o : old_) {
-            if (o.address == address) (void)on_->write(o.address, o.word);
-        }
-    }
-
     // --- What the steps are made of
 
     void command(control c) {
@@ -111,21 +93,13 @@ class zlac8015d_probe {
     }
     int left_speed() { return speed_of(servobus::zlac8015d::left_actual_speed.address); }
     int right_speed() { return speed_of(servobus::zlac8015d::right_actual_speed.address); }
-    // Waits while the drive is asked, so that its watchdog does not act.
-    template <class Condition> bool until(Condition is_so, int times = 50) {
-        for (int i = 0; i < times && !on_->has_failed(); ++i) {
-            if (is_so()) return true;
-            on_->wait(a_while);
-        }
-        return false;
-    }
     bool stands() {
-        return until([&] { return left_speed() == 0 && right_speed() == 0; });
+        return until([&] { return left_speed() == 0 && right_speed() == 0; }, most);
     }
     void keep_asking(int times) {
         for (int i = 0; i < times; ++i) {
             (void)left();
-            on_->wait(a_while);
+            wait();
         }
     }
     // Not enabled, at standstill, targets 0. Also after a failure.
@@ -148,11 +122,11 @@ class zlac8015d_probe {
                                   z::left_deceleration_time.address, z::right_deceleration_time.address})
             (void)on_->write(address, ramp);
         command(control::enable);
-        on_->wait(a_while);
+        wait();
     }
     bool turns_slowly() {
         set_targets(slow, slow);
-        return until([&] { return left_speed() >= turning && right_speed() >= turning; });
+        return until([&] { return left_speed() >= turning && right_speed() >= turning; }, most);
     }
 
     // --- The steps
@@ -168,9 +142,8 @@ class zlac8015d_probe {
         command(control::fault_reset);
         const bool is_over = until([&] { return left().shaft != shaft::alarm; }, 5);
         const bool has_code = on_->read(z::left_faults.address) != 0;
-        if (!on_->has_failed() && has_fault && is_over)
-            found_->set("code", has_code ? "until_restart" : "until_reset");
-        put_back(z::max_motor_speed.address);
+        if (has_fault && is_over) found("code", has_code ? "until_restart" : "until_reset");
+        old_.put_back(z::max_motor_speed.address);
     }
 
     // Bits 0 and 8 of a drive that holds its wheels; then the shaft's bits after a quick stop.
@@ -178,10 +151,10 @@ class zlac8015d_probe {
         enable();
         is_running_at_rest_ = left().is_running;
         command(control::quick_stop);
-        on_->wait(a_while);
+        wait();
         const shaft after = left().shaft;
-        if (!on_->has_failed() && (after == shaft::emergency_stop || after == shaft::locked))
-            found_->set("after_quick_stop", after == shaft::emergency_stop ? "emergency" : "locked");
+        if (after == shaft::emergency_stop || after == shaft::locked)
+            found("after_quick_stop", after == shaft::emergency_stop ? "emergency" : "locked");
         command(control::stop);
     }
 
@@ -192,25 +165,24 @@ class zlac8015d_probe {
         enable();
         if (!turns_slowly()) return stop();
         const servobus::zlac8015d::axis_status driven = left();
-        if (!on_->has_failed())
-            found_->set("while_turning", driven.shaft == shaft::released ? "released" : "locked");
+        found("while_turning", driven.shaft == shaft::released ? "released" : "locked");
         command(control::stop);
         const servobus::zlac8015d::axis_status rolling = left();
         const bool rolls = left_speed() >= 1; // read later than the bit, so it did roll then
-        if (!on_->has_failed() && is_running_at_rest_)
-            found_->set("bit", "enabled");
-        else if (!on_->has_failed() && driven.is_running && rolls)
-            found_->set("bit", rolling.is_running ? "turns" : "driven");
+        if (is_running_at_rest_)
+            found("bit", "enabled");
+        else if (driven.is_running && rolls)
+            found("bit", rolling.is_running ? "turns" : "driven");
         stop();
-        put_back(z::disable_option_code.address);
+        old_.put_back(z::disable_option_code.address);
     }
 
     // The shaft's bits where nothing holds a position: torque 0.
     void in_torque_mode() {
         enable(mode::torque);
-        const shaft found = left().shaft;
-        if (!on_->has_failed() && (found == shaft::released || found == shaft::locked))
-            found_->set("in_torque_mode", found == shaft::released ? "released" : "locked");
+        const shaft now = left().shaft;
+        if (now == shaft::released || now == shaft::locked)
+            found("in_torque_mode", now == shaft::released ? "released" : "locked");
         stop();
     }
 
@@ -223,8 +195,7 @@ class zlac8015d_probe {
         on_->wait(servobus::milliseconds(2000));
         const bool has_stopped = left_speed() < turning;
         const bool turns_again = until([&] { return left_speed() >= turning; }, 20);
-        if (!on_->has_failed() && has_stopped)
-            found_->set("resumes_after_watchdog", turns_again ? "yes" : "no");
+        if (has_stopped) found("resumes_after_watchdog", turns_again ? "yes" : "no");
         stop();
     }
 
@@ -234,7 +205,7 @@ class zlac8015d_probe {
         enable();
         const bool is_taken = on_->write(z::host_timeout.address, 0);
         const bool turn = turns_slowly();
-        if (!on_->has_failed() && is_taken) found_->set("host_timeout", turn ? "off" : "stops");
+        if (is_taken) found("host_timeout", turn ? "off" : "stops");
         (void)on_->write(z::host_timeout.address, watchdog);
         stop();
     }
@@ -249,12 +220,11 @@ class zlac8015d_probe {
         const bool has_fault = until([&] { return left().shaft == shaft::alarm; }, 5);
         keep_asking(30);
         const bool right_turns = right_speed() >= turning;
-        if (!on_->has_failed() && has_fault)
-            found_->set("by_fault", right_turns ? "its_wheel" : "both_wheels");
+        if (has_fault) found("by_fault", right_turns ? "its_wheel" : "both_wheels");
         stop();
         command(control::fault_reset);
         (void)until([&] { return left().shaft != shaft::alarm; }, 5);
-        put_back(z::max_motor_speed.address);
+        old_.put_back(z::max_motor_speed.address);
     }
 
     // Both are released for what follows, if it is known how.
@@ -265,8 +235,7 @@ class zlac8015d_probe {
         (void)on_->write(z::left_brake.address, 1);
         const seen is_closed =
             on_->ask("Is the brake of the left wheel closed now? It was switched to 1 (? if there is none)");
-        if (is_closed != seen::unknown)
-            found_->set("code_1", is_closed == seen::yes ? "engages" : "releases");
+        if (is_closed != seen::unknown) found("code_1", is_closed == seen::yes ? "engages" : "releases");
         const u16 released = is_closed == seen::no ? 1 : 0;
         (void)on_->write(z::left_brake.address, released);
         (void)on_->write(z::right_brake.address, released);
@@ -275,26 +244,31 @@ class zlac8015d_probe {
     // A row that is not marked: kept over a power cycle or not. It costs a save, and another one if it was kept.
     void what_is_saved() {
         namespace z = servobus::zlac8015d;
-        const u16 address = z::left_acceleration_time.address;
-        const u16 old = on_->read(address);
-        const u16 other = old == 700 ? 800 : 700;
+        const u16 time = z::left_acceleration_time.address;
+        const u16 other = old_.word(time) == 700 ? 800 : 700;
         (void)on_->write(z::mode_of_operation.address, 0); // else the mode may be saved too [errata B11]
-        (void)on_->write(address, other);
+        (void)on_->write(time, other);
+        may_have_saved_ = !on_->has_failed();
         (void)on_->write(z::save_parameters.address, 1);
-        if (!on_->switch_off_and_on()) {
-            (void)on_->write(address, old);
-            return;
-        }
-        const bool is_kept = on_->read(address) == other;
-        if (!on_->has_failed()) found_->set("save", is_kept ? "all" : "marked");
-        (void)on_->write(address, old);
-        if (is_kept) (void)on_->write(z::save_parameters.address, 1);
-        restore();
+        if (!on_->switch_off_and_on()) return save_again();
+        const bool is_kept = on_->read(time) == other;
+        found("save", is_kept ? "all" : "marked");
+        may_have_saved_ = is_kept || on_->has_failed();
+        save_again();
+        old_.restore();
+    }
+    // The owner's time, where the other one may be in the EEPROM.
+    void save_again() {
+        namespace z = servobus::zlac8015d;
+        old_.put_back(z::left_acceleration_time.address);
+        if (!may_have_saved_) return;
+        (void)on_->write(z::mode_of_operation.address, 0);
+        (void)on_->write(z::save_parameters.address, 1);
+        may_have_saved_ = on_->has_failed();
+        old_.put_back(z::mode_of_operation.address);
     }
 
-    probe_bench* on_;
-    findings* found_;
-    std::vector<old_word> old_{};
+    bool may_have_saved_ = false;
     int resolution_ = 1;
     bool is_running_at_rest_ = false;
 };

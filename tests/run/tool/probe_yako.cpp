@@ -30,8 +30,8 @@ template <class Model> class bench final : public tool::probe_bench {
 
     Model model;
     bool consents = true;
-    bool switches = true;           // the person does
-    std::uint32_t lost_after = ~0u; // requests
+    unsigned most_power_cycles = ~0u; // that the person does
+    std::uint32_t lost_after = ~0u;   // requests
     std::uint32_t requests = 0;
     std::uint32_t fastest = 0; // r/min
     unsigned power_cycles = 0;
@@ -68,7 +68,7 @@ template <class Model> class bench final : public tool::probe_bench {
     seen ask_now(const std::string&) override { return seen::unknown; }
     bool has_consent(const std::string&) override { return consents; }
     bool power_cycle() override {
-        if (!switches) return false;
+        if (power_cycles == most_power_cycles) return false;
         CHECK(model.view().speed == 0);
         ++power_cycles;
         model.power_cycle();
@@ -197,30 +197,57 @@ TEST_CASE(
     for (std::size_t i = 0; i < found.all().size(); ++i) settled += found.way(i).has_value();
     CHECK(settled == 2); // a bad CRC, and what commands read
     bench<sim::yako_closed_loop> without{{}};
-    without.switches = false;
+    without.most_power_cycles = 0;
     (void)probed(without);
     CHECK(without.model.saves() == 0);
 }
 
-TEST_CASE("a line that is lost at any request ends the probe of a stepper with the motor released, and finds "
-          "nothing wrong") {
-    bench<sim::yako_closed_loop> whole{{}};
-    (void)probed(whole);
-    CHECK(whole.power_cycles == 3);
-    std::uint32_t failed = 0;
-    for (std::uint32_t n = 1; n < whole.requests; n += 11) {
-        CAPTURE(n);
-        bench<sim::yako_closed_loop> on{{}};
-        on.lost_after = n;
-        const findings found = probed(on);
-        ++failed;
-        CHECK_FALSE(on.model.view().is_moving);
-        for (std::size_t i = 0; i < found.all().size(); ++i) {
-            CAPTURE(std::string{found.all()[i].name});
-            if (found.way(i)) CHECK(*found.way(i) == 0);
+TEST_CASE("a stepper that is not switched off again keeps its own words, whatever it saves") {
+    for (unsigned kept = 0; kept < tool::yako_interpretations[index_of("kept")].ways.size(); ++kept) {
+        for (const unsigned most : {0u, 1u, 2u}) {
+            CAPTURE(kept);
+            CAPTURE(most);
+            std::vector<unsigned> ways(tool::yako_interpretations.size());
+            ways[index_of("kept")] = kept;
+            bench<sim::yako_closed_loop> on{tool::options_of(tool::yako_switches, ways)};
+            on.most_power_cycles = most;
+            const std::vector<std::uint16_t> before = words_of(on.model);
+            (void)probed(on);
+            CHECK(words_of(on.model) == before);
+            on.model.power_cycle();
+            CHECK(words_of(on.model) == before);
         }
     }
-    CHECK(failed > 15);
+}
+
+TEST_CASE("a line that is lost at any request ends the probe of a stepper, which gets its words back") {
+    for (unsigned kept = 0; kept < tool::yako_interpretations[index_of("kept")].ways.size(); ++kept) {
+        CAPTURE(kept);
+        std::vector<unsigned> ways(tool::yako_interpretations.size());
+        ways[index_of("kept")] = kept;
+        const sim::yako_options chosen = tool::options_of(tool::yako_switches, ways);
+        bench<sim::yako_closed_loop> whole{chosen};
+        const std::vector<std::uint16_t> before = words_of(whole.model);
+        (void)probed(whole);
+        CHECK(whole.power_cycles == (way_of("kept", ways) == "written" ? 1 : 3));
+        std::uint32_t failed = 0;
+        for (std::uint32_t n = 0; n < whole.requests; n += n < 40 || n + 40 > whole.requests ? 1 : 11) {
+            CAPTURE(n);
+            bench<sim::yako_closed_loop> on{chosen};
+            on.lost_after = n;
+            const findings found = probed(on);
+            ++failed;
+            CHECK_FALSE(on.model.view().is_moving);
+            CHECK(words_of(on.model) == before);
+            on.model.power_cycle();
+            CHECK(words_of(on.model) == before);
+            for (std::size_t i = 0; i < found.all().size(); ++i) {
+                CAPTURE(std::string{found.all()[i].name});
+                if (found.way(i)) CHECK(*found.way(i) == ways[i]);
+            }
+        }
+        CHECK(failed > 80);
+    }
 }
 
 } // namespace probe_yako_tests

@@ -154,6 +154,21 @@ TEST_CASE("a probe without consent moves nothing, and leaves open what it did no
     CHECK(words_of(on.model) == before);
 }
 
+TEST_CASE("a ZLAC8015D that is not switched off after a save keeps its own words, whatever it saves") {
+    for (const unsigned save : {0u, 1u}) {
+        CAPTURE(save);
+        std::vector<unsigned> ways = ways_of(0);
+        ways[1] = save;
+        bench on{tool::options_of(tool::zlac8015d_switches, ways)};
+        on.switches = false;
+        const std::vector<std::uint16_t> before = words_of(on.model);
+        CHECK_FALSE(probed(on).way(1));
+        CHECK(words_of(on.model) == before);
+        on.model.power_cycle();
+        CHECK(words_of(on.model) == before);
+    }
+}
+
 TEST_CASE("a person who does not know leaves it open") {
     bench on{{}};
     on.has_brake = false;
@@ -164,23 +179,34 @@ TEST_CASE("a person who does not know leaves it open") {
 }
 
 TEST_CASE(
-    "a line that is lost at any request ends the probe with the drive at rest, and finds nothing wrong") {
-    bench whole{{}};
-    (void)probed(whole);
-    std::uint32_t failed = 0;
-    for (std::uint32_t n = 1; n < whole.requests; n += 11) {
-        CAPTURE(n);
-        bench on{{}};
-        on.lost_after = n;
-        const findings found = probed(on);
-        ++failed;
-        CHECK_FALSE(on.model.enabled());
-        for (std::size_t i = 0; i < found.all().size(); ++i) {
-            CAPTURE(found.all()[i].name);
-            if (found.way(i)) CHECK(*found.way(i) == 0);
+    "a line that is lost at any request ends the probe of a ZLAC8015D at rest, and it gets its words back") {
+    for (const unsigned save : {0u, 1u}) {
+        std::vector<unsigned> ways = ways_of(0);
+        ways[1] = save; // the marked rows, or all
+        const sim::zlac8015d_options chosen = tool::options_of(tool::zlac8015d_switches, ways);
+        bench whole{chosen};
+        const std::vector<std::uint16_t> before = words_of(whole.model);
+        (void)probed(whole);
+        std::uint32_t failed = 0;
+        for (std::uint32_t n = 0; n < whole.requests; n += n < 40 || n + 40 > whole.requests ? 1 : 11) {
+            CAPTURE(save);
+            CAPTURE(n);
+            bench on{chosen};
+            on.lost_after = n;
+            const findings found = probed(on);
+            ++failed;
+            CHECK_FALSE(on.model.enabled());
+            CHECK(on.model.stands_still());
+            CHECK(words_of(on.model) == before);
+            on.model.power_cycle();
+            CHECK(words_of(on.model) == before);
+            for (std::size_t i = 0; i < found.all().size(); ++i) {
+                CAPTURE(found.all()[i].name);
+                if (found.way(i)) CHECK(*found.way(i) == ways[i]);
+            }
         }
+        CHECK(failed > 80);
     }
-    CHECK(failed > 20);
 }
 
 } // namespace probe_zlac8015d_tests
