@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <map>
 
+#include "../text/cpp_codes.hpp"
 #include "../text/cpp_names.hpp"
 #include "../text/cpp_profile.hpp"
 #include "../text/cpp_rows.hpp"
@@ -24,6 +25,7 @@ constexpr std::string_view own_names[] = {"catalogue",
                                           "device",
                                           "input",
                                           "names",
+                                          "number_of",
                                           "ro",
                                           "rw",
                                           "servobus",
@@ -35,11 +37,18 @@ constexpr std::string_view own_names[] = {"catalogue",
 
 class header_text {
   public:
-    explicit header_text(const device& of) : of_{&of}, space_{cpp::scope{own_names}.name(of.facts().name)} {}
+    explicit header_text(const device& of)
+        : of_{&of}, space_{cpp::scope{"device_", own_names}.name(of.facts().name)} {
+        // A row keeps its name where an enumeration could have it too.
+        for (const table t : all_tables) {
+            for (const entry& e : of.rows_of(t)) (void)row_name(e);
+        }
+    }
 
     std::string whole() {
         put_begin();
         put_device();
+        for (const table t : all_tables) put_enumerations(t);
         for (const table t : all_tables) put_rows(t);
         out_ += "\n// For tools.\nnamespace names {\n";
         for (const table t : all_tables) put_entries(t);
@@ -71,6 +80,29 @@ class header_text {
         return word;
     }
 
+    // Rows with the same codes share an enumeration, under a name for each of them. All are in front of the rows, which
+    // enumerators of the same name would shadow.
+    void put_enumerations(table t) {
+        if (is_of_bits(t)) return;
+        for (const entry& e : of_->rows_of(t)) {
+            if (!cpp::has_codes(e)) continue;
+            const std::string name = names_.name(row_name(e) + "_code");
+            const std::string codes = cpp::enumeration(e);
+            out_ += "\n/// The codes of " + row_name(e) + ".\n";
+            codes_[row_name(e)] = name;
+            std::string& shared = enumerations_[codes];
+            if (!shared.empty()) {
+                out_ += "using " + name + " = " + shared + ";\n";
+                continue;
+            }
+            shared = name;
+            out_ += "enum class " + name + codes;
+            if (!e.is_signed()) continue;
+            out_ += "constexpr servobus::i16 number_of(" + name +
+                    " code) { return static_cast<servobus::i16>(code); }\n";
+        }
+    }
+
     void put_rows(table t) {
         for (const entry& e : of_->rows_of(t)) {
             // A backslash at the end of a comment would take the next line into it.
@@ -78,7 +110,7 @@ class header_text {
             std::ranges::replace(sentence, '\\', '/');
             out_ += "\n/// " + hex_word(e.address).substr(2) + "h " + sentence;
             while (out_.ends_with(' ')) out_.pop_back();
-            out_ += "\ninline constexpr " + cpp::row(e, t, row_name(e)) + ";\n";
+            out_ += "\ninline constexpr " + cpp::row(e, t, row_name(e), codes_[row_name(e)]) + ";\n";
         }
     }
 
@@ -143,7 +175,9 @@ class header_text {
     std::string space_;
     std::string out_{};
     std::map<std::string, std::string> row_names_{};
-    cpp::scope names_{own_names};
+    cpp::scope names_{"row_", own_names};
+    std::map<std::string, std::string> enumerations_{}; // their names, by what they have
+    std::map<std::string, std::string> codes_{};        // their names, by those of the rows
     std::map<std::string, std::string> arrays_{};
     bool has_sentences_[4]{};
 };

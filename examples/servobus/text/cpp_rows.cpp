@@ -101,7 +101,7 @@ std::string default_text(const entry& e) {
 
 } // namespace
 
-std::string row(const entry& e, table in, const std::string& name) {
+std::string row(const entry& e, table in, const std::string& name, const std::string& codes) {
     const std::string flags = flags_text(e.flags);
     if (is_of_bits(in)) {
         const std::string type = in == table::coils ? std::string{"servobus::coil<servobus::access::"} +
@@ -110,11 +110,13 @@ std::string row(const entry& e, table in, const std::string& name) {
         return type + ' ' + name + '{' + hex_word(e.address) + ", " + (e.initial == 1 ? "true" : "false") +
                (flags.empty() ? "" : ", " + flags) + '}';
     }
+    // In the library the value of a signed register is a number, also if it is a code.
+    const bool is_of_codes = !codes.empty() && !e.is_signed();
     const bool is_input = in == table::input_registers;
     const std::string data = hex_word(e.address) + ", " + range_text(e) + ", " + unit_text(e.unit_of_count) +
                              ", " + default_text(e) + (flags.empty() ? "" : ", " + flags);
-    return (is_input ? "input" : text(e.rights)) + ('<' + value_type(e)) + "> " + name + '{' +
-           (is_input ? '{' + data + '}' : data) + '}';
+    return (is_input ? "input" : text(e.rights)) + ('<' + (is_of_codes ? codes : value_type(e))) + "> " +
+           name + '{' + (is_input ? '{' + data + '}' : data) + '}';
 }
 
 std::string row_entry(const entry& e, table in, const std::string& row, const std::string& names) {
