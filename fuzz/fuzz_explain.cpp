@@ -106,13 +106,16 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     const unsigned choice = in.byte();
     const auto way = static_cast<direction>(choice % 3);
     const auto order = static_cast<word_order>(choice / 4 % 3);
-    const servobus::catalogue& map = *maps[choice / 16 % 4];
+    const servobus::catalogue* const map = maps[choice / 16 % 4];
+    const servobus::catalogue* const other =
+        choice / 64 != 0 ? maps[choice / 64] : nullptr; // of the other tables
+    const table_catalogues all{map, other, other, other};
     const std::size_t room = in.byte();
     const reference::byte_list before = frame_of(in, in.byte() % 64u);
     const reference::byte_list frame = frame_of(in, 300);
 
     std::vector<char> wide(1 << 16);
-    const explanation found = explain(map, way, frame, before, wide, order);
+    const explanation found = explain(all, way, frame, before, wide, order);
     require(found.size > 0 && found.size < wide.size(),
             "G32 a frame is explained in a line of bounded length");
     const std::string_view said{wide.data(), found.size};
@@ -126,7 +129,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
             "only a valid response has a mismatch with its request");
 
     std::vector<char> narrow(room); // a heap buffer of the exact size, so that a write beyond it is found
-    const explanation cut = explain(map, way, frame, before, narrow, order);
+    const explanation cut = explain(all, way, frame, before, narrow, order);
     const std::string_view short_of{narrow.data(), cut.size};
     require(cut.size == std::min(room, found.size), "a line fills its buffer and no more");
     require(cut.why == found.why && cut.mismatch == found.mismatch && cut.way == found.way,

@@ -8,6 +8,7 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
 from any_device import Device, on_terminal
 from programs import Tool, play_tool, scene, until
+from standard_frames import framed
 
 METER = """# name = meter
 # baud = 19200
@@ -132,9 +133,6 @@ def all_tables(tool: Tool):
               "table      coil", "type       bool", "access     read and write", "range      not stated",
               "default    not stated", "written    the manual does not say when",
               "note       a write moves an enabled motor")
-    tool.run("explain plant.csv", stdin="> 01 04 00 30 00 01 31 C5" + "\n" + "> 01 03 00 30 00 01 84 05" + "\n")
-    tool.out_is("explain: inputs and holding registers", "node 1: read level (0x0030) as input registers",
-                "node 1: read setpoint (0x0030)")
 
 
 @scene()
@@ -218,6 +216,34 @@ def drive_by_its_file(tool: Tool, device: str, written: str, read: str):
         tool.write("saved.txt", results[0][2][1])
         tool.fails(f"{device}: restore needs what no file has", "restore drive drive.csv saved.txt --yes", 2,
                    "drive.csv: restore is refused, since ")
+
+
+@scene()
+def all_tables_explained(tool: Tool):
+    tool.write("plant.csv", PLANT)
+    frames = [
+        ("> ", "04 0030 0001", "read level (0x0030) as input registers"),
+        ("> ", "03 0030 0001", "read setpoint (0x0030)"),
+        ("> ", "01 000C 0003", "read pump (0x000C), valve (0x000D), coil 0x000E"),
+        ("< ", "01 01 02", "response, pump = off, valve = open (0x0001), coil 0x000E = off"),
+        ("> ", "02 0004 0002", "read level_high (0x0004), door (0x0005)"),
+        ("< ", "02 01 01", "response, level_high = on, door = closed (0x0000)"),
+        ("> ", "05 000D 0000", "write valve (0x000D) = shut (0x0000)"),
+        ("< ", "05 000D 0000", "response, valve (0x000D) = shut (0x0000) written"),
+        ("> ", "0F 000C 0002 01 03", "write pump (0x000C) = on, valve (0x000D) = open (0x0001)"),
+        ("< ", "0F 000C 0002", "response, pump (0x000C), valve (0x000D) written"),
+        ("< ", "8F 02", "response, exception 2 (illegal data address) to "
+                        "write pump (0x000C) = on, valve (0x000D) = open (0x0001)"),
+    ]
+    lines = "".join(f"{arrow}{framed(pdu)}\n" for arrow, pdu, _ in frames)
+    tool.run("explain plant.csv:1 zlac8015d:2", stdin=f"{lines}> {framed('01 000C 0001', node=2)}\n")
+    tool.out_is("explain: all tables", *(f"node 1: {words}" for _, _, words in frames), "node 2: read coil 0x000C")
+    # As many coils as a response has, each with the longest names.
+    rows = "".join(f"{i},{'a' * 43}{i:04},coil,ro,0=no{'a' * 45};1=on{'a' * 45}\n" for i in range(2000))
+    tool.write("wide.csv", f"address,name,table,access,names\n{rows}")
+    tool.run("explain wide.csv", stdin=f"{framed('01 0000 07D0')}\n{framed('01 FA' + 250 * '00')}\n")
+    tool.check("explain: 2000 coils with names", tool.last.status == 0 and len(tool.last.lines) == 2 and
+               tool.last.lines[1].endswith(f"{'a' * 43}1999 = no{'a' * 45} (0x0000)"))
 
 
 @scene()

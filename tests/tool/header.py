@@ -1,6 +1,7 @@
 # SPDX-FileCopyrightText: The servobus authors
 # SPDX-License-Identifier: BSL-1.0
-"""Headers that the tool makes of drives and files: a program with them prints the maps that they were made of.
+"""Headers that the tool makes of drives and files: a program with them prints the maps that they were made of, and
+another one uses the enumerations of a file with the simulated device of this file.
 
 CXX is the compiler, g++ if it is not set. One program has all headers, since each takes the compiler seconds.
 """
@@ -39,6 +40,93 @@ PLANT = '''address,name,table,type,access,unit,default,names,flags,when
 0,level,input,u16,,mm,,,,
 1,volume,input,i32,,mm,,,scaled_elsewhere,
 '''
+# Codes of all kinds, on a line of its own each: those of a row, of rows with the same, of a signed row, of an input
+# register; names that are no names of C++, or that others have; and rows that are numbers.
+CODES = '''# name = codes
+address,name,table,type,access,unit,min,max,default,flags,names
+1,mode,,u16,rw,,0,2,0,,0=off;1=once;2=for ever
+2,first,,u16,rw,,,,0,,0=no;1=yes
+3,second,,u16,rw,,,,1,,0=no;1=yes
+4,trim,,i16,rw,,-1,1,-1,,-1=down;0=none;1=up
+5,state,input,u16,ro,,,,1,,0=idle;1=busy
+6,odd,,u16,rw,,0,14,0,,0=9600 Bd;1=default;2=a-b;3=a b;4=%;5=-20;6=20;7=a_b_;8=__LINE__;9=input;10=(on);11=\\;12=device;13=mode;14=rw
+7,mode_code,,u16,rw,,0,1,0,,0=red;1=green
+8,number_of,,u16,ro,,,,,,
+9,pause,,u16,rw,ms,0,500,0,,0=never
+10,mixed,,u16,rw,,,,,,0=none;b1=ready
+11,word,,u16,rw,,,,,,hex
+12,__FILE__,,u16,ro,,,,,,
+13,scaled,,u16,rw,,,,,scaled_elsewhere,0=none
+14,valve,coil,bool,rw,,,,,,0=shut;1=open
+'''
+USES_CODES = """
+#include <cstdio>
+#include <type_traits>
+
+#include <servobus/any_device.hpp>
+#include <servobus/posix/serial.hpp>
+#include <servobus/servobus.hpp>
+
+#include "codes.hpp"
+
+using namespace servobus;
+
+template <const auto& Row> using value = typename row_type<Row>::value_type;
+
+static_assert(std::is_same_v<value<codes::mode>, codes::mode_code_> && codes::mode_code.address == 7);
+static_assert(static_cast<int>(codes::mode_code_::for_ever) == 2);
+static_assert(std::is_same_v<value<codes::first>, value<codes::second>>);
+static_assert(std::is_same_v<codes::first_code, codes::second_code>);
+static_assert(std::is_same_v<value<codes::mode_code>, codes::mode_code_code>);
+static_assert(std::is_same_v<value<codes::state>, codes::state_code>);
+static_assert(std::is_same_v<value<codes::trim>, i16> && codes::number_of(codes::trim_code::down) == -1);
+static_assert(std::is_same_v<value<codes::pause>, u16> && std::is_same_v<value<codes::mixed>, u16>);
+static_assert(std::is_same_v<value<codes::word>, u16> && std::is_same_v<value<codes::scaled>, u16>);
+static_assert(codes::number_of_.address == 8);
+
+// Each name once, by its code: two that were equal would not compile here.
+constexpr int place_of(codes::odd_code code) {
+    switch (code) {
+    case codes::odd_code::code_9600_Bd: return 0;
+    case codes::odd_code::default_: return 1;
+    case codes::odd_code::a_b: return 2;
+    case codes::odd_code::a_b_: return 3;
+    case codes::odd_code::code_: return 4;
+    case codes::odd_code::minus_20: return 5;
+    case codes::odd_code::code_20: return 6;
+    case codes::odd_code::a_b__: return 7;
+    case codes::odd_code::code___LINE__: return 8;
+    case codes::odd_code::input: return 9;
+    case codes::odd_code::on: return 10;
+    case codes::odd_code::code__: return 11;
+    case codes::odd_code::device: return 12;
+    case codes::odd_code::mode: return 13;
+    case codes::odd_code::rw: return 14;
+    }
+    return -1;
+}
+static_assert(place_of(static_cast<codes::odd_code>(7)) == 7 && place_of(static_cast<codes::odd_code>(11)) == 11);
+
+int main() {
+    posix::serial port;
+    if (port.open("drive", {.baud = 9600}) != errc::ok) return 2;
+    line wire{port, modbus::timing_at(9600)};
+    client io{wire, node<codes::device>{1}};
+    const auto begun = io.read<codes::mode, codes::second, codes::trim, codes::state>();
+    if (!begun) return 3;
+    const bool is_default = begun->get<codes::mode>() == codes::mode_code_::off &&
+                            begun->get<codes::second>() == codes::first_code::yes &&
+                            begun->get<codes::trim>() == codes::number_of(codes::trim_code::down) &&
+                            begun->get<codes::state>() == codes::state_code::busy;
+    if (!is_default) return 4;
+    if (!io.write<codes::mode>(codes::mode_code_::for_ever)) return 5;
+    if (!io.write<codes::trim>(codes::number_of(codes::trim_code::up))) return 6;
+    if (!io.write<codes::odd>(codes::odd_code::minus_20)) return 7;
+    const auto mode = io.read<codes::mode>();
+    if (!mode || *mode != codes::mode_code_::for_ever) return 8;
+    std::puts("done");
+}
+"""
 # A catalogue in a header for each table that has rows.
 CATALOGUES = {"coil": "coil_catalogue", "discrete": "discrete_input_catalogue", "holding": "catalogue",
               "input": "input_register_catalogue"}
@@ -82,24 +170,48 @@ def program(maps: dict[str, str]) -> str:
     return f"{headers}{PRINTS}\nint main() {{\n{calls}}}\n"
 
 
+def compiles(tool: Tool, name: str, program: str, *words: str) -> bool:
+    """Compiles NAME.cpp, with more sources and options, to NAME."""
+    tool.write(f"{name}.cpp", program)
+    compiled = subprocess.run(
+        [*os.environ.get("CXX", "g++").split(), "-std=c++20", "-O0", *STRICT, f"-I{ROOT}/include", f"-I{ROOT}",
+         f"{name}.cpp", *words, "-o", name],
+        cwd=tool.folder, capture_output=True, text=True, check=False)
+    tool.check(f"the program {name} compiles", compiled.returncode == 0, compiled.stderr)
+    return compiled.returncode == 0
+
+
+@scene()
+def enumerations(tool: Tool):
+    tool.write("codes.csv", CODES)
+    header = tool.run("header codes.csv")
+    tool.check("header codes.csv is made", header.status == 0 and header.err == "")
+    tool.write("codes.hpp", header.out)
+    tool.out_has("with the codes of a row",
+                 "enum class mode_code_ : std::uint16_t {\n    off = 0,\n    once = 1,\n    for_ever = 2,\n};\n")
+    tool.out_has("with the texts of names that are others", "    code_9600_Bd = 0, ///< 9600 Bd\n")
+    if not compiles(tool, "uses_codes", USES_CODES, "-fno-exceptions", "-fno-rtti"):
+        return
+    with tool.simulated("codes.csv"):
+        used = tool.run("", program=[str(tool.folder / "uses_codes")])
+        tool.check("a program uses them with the simulated device", used.status == 0 and used.out == "done\n")
+        tool.says("and the tool reads what it has written", "read drive codes.csv mode trim odd",
+                  "mode=for_ever (0x0002)", "trim=up (0x0001)", "odd=-20 (0x0005)")
+
+
 @scene()
 def comes_back(tool: Tool):
     tool.write("meter.csv", METER)
     tool.write("plant.csv", PLANT)
+    tool.write("codes.csv", CODES)
     maps = {}
-    for device in (*DRIVES, "meter.csv", "plant.csv"):
+    for device in (*DRIVES, "meter.csv", "plant.csv", "codes.csv"):
         name = device.removesuffix(".csv")
         maps[name] = tool.run(f"map {device} --long --profile").out
         header = tool.run(f"header {device}")
         tool.check(f"header {device} is made", header.status == 0 and header.err == "")
         tool.write(f"{name}.hpp", header.out)
-    tool.write("prints.cpp", program(maps))
-    compiled = subprocess.run(
-        [*os.environ.get("CXX", "g++").split(), "-std=c++20", "-O0", *STRICT, f"-I{ROOT}/include", f"-I{ROOT}",
-         "prints.cpp", f"{ROOT}/examples/servobus/text/map_text.cpp", "-o", "prints"],
-        cwd=tool.folder, capture_output=True, text=True, check=False)
-    tool.check("a program with all headers compiles", compiled.returncode == 0, compiled.stderr)
-    if compiled.returncode != 0:
+    if not compiles(tool, "prints", program(maps), f"{ROOT}/examples/servobus/text/map_text.cpp"):
         return
     printed = tool.run("", program=[str(tool.folder / "prints")]).lines
     for name, shown in maps.items():

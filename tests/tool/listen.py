@@ -160,6 +160,32 @@ def manual(tool: Listening, device: str):
     tool.nothing_is_sent("nothing is sent", tap)
 
 
+@scene()
+def device_of_a_file(tool: Listening):
+    """Coils and inputs have the names of the file's rows and of their states."""
+    tool.write("plant.csv", "address,name,table,access,names\n3,valve,coil,rw,0=shut;1=open\n4,pump,coil,rw,\n"
+                            "3,door,discrete,,0=closed;1=open\n3,level,input,,\n")
+    frames = [("01 0003 0003", "> node 1: read valve (0x0003), pump (0x0004), coil 0x0005"),
+              ("01 01 03", "< node 1: response, valve = open (0x0001), pump = on, coil 0x0005 = off (after T)"),
+              ("02 0003 0001", "> node 1: read door (0x0003)"),
+              ("02 01 00", "< node 1: response, door = closed (0x0000) (after T)"),
+              ("04 0003 0001", "> node 1: read level (0x0003) as input registers"),
+              ("04 02 0007", "< node 1: response, level = 7 (after T)"),
+              ("05 0003 0000", "> node 1: write valve (0x0003) = shut (0x0000)"),
+              ("05 0003 0000", "< node 1: response, valve (0x0003) = shut (0x0000) written (after T)"),
+              ("0F 0003 0002 01 02", "> node 1: write valve (0x0003) = shut (0x0000), pump (0x0004) = on"),
+              ("0F 0003 0002", "< node 1: response, valve (0x0003), pump (0x0004) written (after T)")]
+    tap = TappedLine.at(tool.folder / "tap")
+    listener = tool.listen(f"tap plant.csv {PATIENT} --log capture")
+    tap.play(*(framed(pdu) for pdu, _ in frames))
+    until(lambda: len(tool.captured()) >= len(frames))
+    tool.ends(listener, signal.SIGINT)
+    tool.is_equal("listen, a device of a file: what is said", tool.without_clock()[:len(frames)],
+                  [words for _, words in frames])
+    tool.explains_the_same("explain says the same", "plant.csv", "and has status 0")
+    tool.nothing_is_sent("nothing is sent", tap)
+
+
 @scene("with gaps", "glued")
 def every_function(tool: Listening, how: str):
     frames = [framed(pdu) for row in standard_frames.FUNCTIONS for pdu in row[::2]]

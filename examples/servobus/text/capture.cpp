@@ -71,33 +71,31 @@ std::optional<line_devices> line_devices::parse(std::span<const std::string> wor
     return all;
 }
 
-const servobus::catalogue& line_devices::map_of(std::uint8_t node_address, std::uint8_t function) const {
-    constexpr auto read_inputs = static_cast<std::uint8_t>(servobus::modbus::function::read_input_registers);
+servobus::table_catalogues line_devices::maps_of(std::uint8_t node_address) const {
     const device* at = by_address_[node_address];
-    if (at != nullptr && at->tables != nullptr && function == read_inputs)
-        return at->tables[static_cast<std::size_t>(servobus::table::input_registers)];
-    return at != nullptr ? *at->map : no_map;
+    if (at == nullptr) return {&no_map};
+    if (at->tables == nullptr) return {at->map};
+    using enum servobus::table;
+    const auto of = [&](servobus::table t) { return &at->tables[static_cast<std::size_t>(t)]; };
+    return {of(holding_registers), of(coils), of(discrete_inputs), of(input_registers)};
 }
 
-servobus::explanation frame_explainer::explain_as(const captured& c, direction way,
-                                                  std::span<char> room) const {
+servobus::explanation frame_explainer::explain_as(const captured& c, direction way) {
     const std::uint8_t node_address = c.frame.empty() ? std::uint8_t{0} : c.frame[0];
-    const std::uint8_t function = c.frame.size() > 1 ? c.frame[1] & 0x7Fu : std::uint8_t{0};
-    return servobus::explain(devices_->map_of(node_address, function), way, c.frame, last_request_, room);
+    return servobus::explain(devices_->maps_of(node_address), way, c.frame, last_request_, room_);
 }
 
 frame_explainer::explained frame_explainer::explain(const captured& c) {
-    char text[16384]; // 125 registers with their names
     direction way = c.way;
-    servobus::explanation e = explain_as(c, way, text);
+    servobus::explanation e = explain_as(c, way);
     if (way == direction::unknown && c.of_client != direction::unknown && e.is_valid()) {
         const direction other = c.of_client == direction::request ? direction::response : direction::request;
         if (e.way != direction::unknown) is_log_of_server_ = e.way == other;
         way = is_log_of_server_ ? other : c.of_client;
-        e = explain_as(c, way, text);
+        e = explain_as(c, way);
     }
     if (is_new_request(e, way, c.frame, last_request_)) last_request_ = c.frame;
-    return {std::string{text, e.size}, e.is_valid(), {way, c.frame}, 0};
+    return {std::string{room_.data(), e.size}, e.is_valid(), {way, c.frame}, 0};
 }
 
 std::vector<frame_explainer::explained> frame_explainer::explain_line(const captured& c) {

@@ -30,8 +30,8 @@ class line_devices {
     /// `DEVICE[:NODE]...`; without NODE at every address that no other has. Complains by itself.
     static std::optional<line_devices> parse(std::span<const std::string> words);
 
-    /// The registers that a frame of this function is about.
-    const servobus::catalogue& map_of(std::uint8_t node_address, std::uint8_t function) const;
+    /// The rows of the device at an address.
+    servobus::table_catalogues maps_of(std::uint8_t node_address) const;
     /// The first one.
     const servobus::profile& facts() const { return first_.facts(); }
     /// How long a response of any of them may take.
@@ -61,9 +61,11 @@ class frame_explainer {
     std::vector<explained> explain_line(const captured& c);
 
   private:
-    servobus::explanation explain_as(const captured& c, servobus::direction way, std::span<char> room) const;
+    servobus::explanation explain_as(const captured& c, servobus::direction way);
 
     const line_devices* devices_;
+    std::vector<char> room_ =
+        std::vector<char>(300'000); // 2000 coils with their names and those of their states
     frame_bytes last_request_{};
     bool is_log_of_server_ = false; ///< what is sent there are the responses
 };

@@ -43,6 +43,16 @@ std::string_view trimmed(std::string_view text) {
     return text.substr(first, text.find_last_not_of(" \t") - first + 1);
 }
 
+std::vector<std::string_view> parts(std::string_view cell) {
+    std::vector<std::string_view> all;
+    while (true) {
+        const std::size_t end = cell.find(';');
+        all.push_back(trimmed(cell.substr(0, end)));
+        if (end == cell.npos) return all;
+        cell.remove_prefix(end + 1);
+    }
+}
+
 std::string shown(std::string_view text) {
     constexpr std::size_t most = 40;
     std::string plain{text.substr(0, most)};

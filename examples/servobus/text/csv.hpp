@@ -13,6 +13,9 @@ namespace tool::csv {
 /// `text` without blanks and tabs around it.
 std::string_view trimmed(std::string_view text);
 
+/// The parts of a cell that `;` separates, without blanks around them.
+std::vector<std::string_view> parts(std::string_view cell);
+
 /// At most 40 characters of what a file has, for a complaint: control characters and bytes beyond ASCII are `?`.
 std::string shown(std::string_view text);
 

@@ -3,11 +3,12 @@
 #include "device_row.hpp"
 
 #include <algorithm>
-#include <numeric>
 #include <optional>
 
 #include "../tool.hpp"
 #include "csv.hpp"
+#include "device_names.hpp"
+#include "device_unit.hpp"
 #include "nearest.hpp"
 
 namespace tool {
@@ -17,63 +18,6 @@ using servobus::access;
 using servobus::entry;
 using servobus::flag;
 using servobus::value_kind;
-
-std::vector<std::string_view> parts_of(std::string_view cell) {
-    std::vector<std::string_view> parts;
-    while (true) {
-        const std::size_t end = cell.find(';');
-        parts.push_back(csv::trimmed(cell.substr(0, end)));
-        if (end == cell.npos) return parts;
-        cell.remove_prefix(end + 1);
-    }
-}
-
-struct type_limits {
-    std::int64_t low;
-    std::int64_t high;
-};
-
-constexpr type_limits limits_of(value_kind kind) {
-    switch (kind) {
-    case value_kind::unsigned_word: return {0, 0xFFFF};
-    case value_kind::signed_word: return {-0x8000, 0x7FFF};
-    case value_kind::unsigned_pair: return {0, 0xFFFF'FFFF};
-    case value_kind::signed_pair: break;
-    }
-    return {-0x8000'0000LL, 0x7FFF'FFFF};
-}
-
-std::uint64_t magnitude(std::string_view digits) {
-    const std::optional<std::int64_t> number = parse_integer(digits);
-    const bool is_plain =
-        !digits.empty() && digits.size() <= 12 && digits.find_first_not_of("0123456789") == digits.npos;
-    return is_plain && number ? static_cast<std::uint64_t>(*number) : 0;
-}
-
-// `0.1`, `25`, `1/3`; none if it is no such number, or has more than 16 bits above or below.
-std::optional<servobus::unit> parse_scale(std::string_view text) {
-    std::uint64_t above = 0;
-    std::uint64_t below = 1;
-    if (const std::size_t slash = text.find('/'); slash != text.npos) {
-        above = magnitude(text.substr(0, slash));
-        below = magnitude(text.substr(slash + 1));
-    } else {
-        const std::size_t point = std::min(text.find('.'), text.size());
-        const std::string_view decimals = text.substr(std::min(point + 1, text.size()));
-        if (point == 0 || (point != text.size() && decimals.empty()) || decimals.size() > 6)
-            return std::nullopt;
-        above = magnitude(std::string{text.substr(0, point)} + std::string{decimals});
-        for (std::size_t i = 0; i < decimals.size(); ++i) below *= 10;
-        const std::uint64_t common = std::gcd(above, below);
-        if (common != 0) {
-            above /= common;
-            below /= common;
-        }
-    }
-    if (above == 0 || below == 0 || above > 0xFFFF || below > 0xFFFF) return std::nullopt;
-    return servobus::unit{servobus::measure::none, static_cast<std::uint16_t>(above),
-                          static_cast<std::uint16_t>(below)};
-}
 
 // Reads the cells one by one. Each step that fails gives its reason.
 class row_reader {
@@ -104,7 +48,6 @@ class row_reader {
     }
     bool is_bit() const { return is_of_bits(row_->table); }
     const char* type_name() const { return type_text(row_->entry, row_->table); }
-    type_limits type_range() const { return is_bit() ? type_limits{0, 1} : limits_of(row_->entry.kind); }
     void add(flag f) { row_->entry.flags = row_->entry.flags | f; }
 
     std::string name() {
@@ -237,7 +180,7 @@ class row_reader {
         const std::string_view text = cell(map_column::flags);
         if (text.empty()) return {};
         flag given = flag::none;
-        for (const std::string_view part : parts_of(text)) {
+        for (const std::string_view part : csv::parts(text)) {
             const auto f = std::ranges::find(flag_words, part, &flag_word::word);
             if (f == std::end(flag_words)) {
                 std::vector<std::string_view> known;
@@ -276,34 +219,17 @@ class row_reader {
     }
 
     std::string unit() {
-        const std::string_view symbol = cell(map_column::unit);
-        const std::string_view scale = cell(map_column::scale);
-        std::optional<servobus::unit> u = servobus::unit{};
-        if (!scale.empty()) u = parse_scale(scale);
-        if (!u) return bad(map_column::scale, "0.1, 25, 1/3 or the like, of numbers up to 65535");
-        constexpr unsigned last = static_cast<unsigned>(servobus::measure::radian_per_second);
-        std::vector<std::string_view> known;
-        for (unsigned i = 0; i <= last; ++i) {
-            const auto m = static_cast<servobus::measure>(i);
-            known.emplace_back(servobus::symbol(m));
-            if (known.back() == symbol) u->of = m;
-        }
-        if (!symbol.empty() && u->of == servobus::measure::none)
-            return "unknown unit " + csv::shown(symbol) +
-                   did_you_mean(symbol, known, "; a plain ratio is times, a plain number has none");
-        if (is_bit() && (u->of != servobus::measure::none || !u->is_plain()))
-            return "a bit has neither scale nor unit";
-        if (u->of == servobus::measure::none && !u->is_plain())
-            return "scale " + csv::shown(scale) + " needs a unit; that of a plain ratio is times";
-        row_->entry.unit_of_count = *u;
-        return {};
+        servobus::unit& u = row_->entry.unit_of_count;
+        const std::string why = parse_unit(cell(map_column::scale), cell(map_column::unit), u);
+        const bool is_given = !why.empty() || u != servobus::unit{};
+        return is_bit() && is_given ? "a bit has neither scale nor unit" : why;
     }
 
     std::string range() {
-        const type_limits whole = type_range();
+        const servobus::range whole = range_of_type(*row_);
         const std::string_view low = cell(map_column::min);
         const std::string_view high = cell(map_column::max);
-        row_->entry.limits = {whole.low, whole.high, false};
+        row_->entry.limits = whole;
         if (low.empty() && high.empty()) return {};
         const std::optional<std::int64_t> least = parse_integer(low);
         const std::optional<std::int64_t> most = parse_integer(high);
@@ -338,88 +264,7 @@ class row_reader {
         return {};
     }
 
-    std::string names() {
-        const std::string_view text = cell(map_column::names);
-        row_->entry.names = servobus::naming::number;
-        if (text.empty()) return {};
-        if (row_->entry.words() == 2) return "names are for registers of one word";
-        if (is_bit() && (text == "halves" || text == "hex")) return "a bit has neither halves nor hex";
-        row_->entry.names = text == "halves" ? servobus::naming::halves : servobus::naming::names;
-        if (text == "halves" || text == "hex") return {};
-        for (const std::string_view part : parts_of(text)) {
-            if (std::string why = one_name(part); !why.empty()) return why;
-        }
-        return check_twice();
-    }
-
-    // `3=enable`, `b3=ready`, `0x00C0:0x0040=locked`
-    std::string one_name(std::string_view part) {
-        const std::size_t equals = part.find('=');
-        if (equals == part.npos)
-            return "names takes 3=enable, b3=ready, 0x00C0:0x0040=locked, hex or halves, not " +
-                   csv::shown(part);
-        const std::string_view place = csv::trimmed(part.substr(0, equals));
-        cell_name n{0xFFFF, 0, csv::trimmed(part.substr(equals + 1))};
-        if (const std::size_t colon = place.find(':'); !is_bit() && colon != place.npos) {
-            const std::optional<std::int64_t> mask = parse_integer(place.substr(0, colon));
-            const std::optional<std::int64_t> value = parse_integer(place.substr(colon + 1));
-            if (!mask || !value || *mask < 1 || *mask > 0xFFFF || *value < 0 || (*value & ~*mask) != 0)
-                return csv::shown(place) + " is no MASK:VALUE of bits inside the mask";
-            n.mask = static_cast<std::uint16_t>(*mask);
-            n.value = static_cast<std::uint16_t>(*value);
-        } else if (!is_bit() && place.starts_with('b')) {
-            const std::optional<std::int64_t> bit = parse_integer(place.substr(1));
-            if (!bit || *bit < 0 || *bit > 15) return csv::shown(place) + " is no bit from b0 to b15";
-            n.mask = n.value = static_cast<std::uint16_t>(1u << static_cast<unsigned>(*bit));
-        } else {
-            const type_limits whole = type_range();
-            const std::optional<std::int64_t> code = parse_integer(place);
-            if (!code || *code < whole.low || *code > whole.high)
-                return csv::shown(place) + " is no code of " + type_name();
-            n.value = static_cast<std::uint16_t>(*code & 0xFFFF);
-        }
-        if (std::string why = judge_name(n); !why.empty()) return why;
-        row_->names.push_back(n);
-        return {};
-    }
-
-    // A text that is typed after REG= must mean one thing.
-    std::string judge_name(const cell_name& n) const {
-        const auto is_good = [](char c) { return c >= ' ' && c <= '~' && c != '+' && c != ',' && c != '"'; };
-        if (n.name.empty()) return "a code or bit has no name";
-        if (n.name.size() > servobus::label::longest)
-            return "the name " + csv::shown(n.name) + " has more than " +
-                   std::to_string(servobus::label::longest) + " characters";
-        if (!std::ranges::all_of(n.name, is_good))
-            return "the name " + csv::shown(n.name) + " has a character that is not ASCII, or one of + , \"";
-        if (n.name.starts_with("0x") || n.name.starts_with("0X"))
-            return "the name " + csv::shown(n.name) + " would be read as a number";
-        const std::optional<std::int64_t> number = parse_integer(n.name);
-        const bool is_own = n.mask == 0xFFFF && number == row_->entry.number(n.value);
-        if (number && !is_own && row_->entry.limits.contains(*number))
-            return "the name " + csv::shown(n.name) + " is also another value of the register";
-        return {};
-    }
-
-    // A name, or a code, that is there twice. Blanks and _ are the same.
-    std::string check_twice() const {
-        std::vector<std::pair<std::string, std::uint32_t>> all;
-        for (const cell_name& n : row_->names) {
-            std::string folded{n.name};
-            std::ranges::replace(folded, ' ', '_');
-            all.emplace_back(std::move(folded), std::uint32_t{n.mask} << 16 | n.value);
-        }
-        const auto twice = [&](auto member) {
-            std::ranges::sort(all, {}, member);
-            return std::ranges::adjacent_find(all, {}, member);
-        };
-        if (const auto name = twice(&std::pair<std::string, std::uint32_t>::first); name != all.end())
-            return "the name " + csv::shown(name->first) + " is there twice";
-        if (const auto code = twice(&std::pair<std::string, std::uint32_t>::second); code != all.end())
-            return "a code has two names: " + csv::shown(code->first) + " and " +
-                   csv::shown((code + 1)->first);
-        return {};
-    }
+    std::string names() { return parse_names_cell(cell(map_column::names), *row_); }
 
     std::string order() {
         const std::string_view text = cell(map_column::word_order);
@@ -439,6 +284,17 @@ class row_reader {
 };
 
 } // namespace
+
+servobus::range range_of_type(const device_row& row) {
+    if (is_of_bits(row.table)) return {0, 1, false};
+    switch (row.entry.kind) {
+    case value_kind::unsigned_word: return servobus::full<u16>;
+    case value_kind::signed_word: return servobus::full<servobus::i16>;
+    case value_kind::unsigned_pair: return servobus::full<u32>;
+    case value_kind::signed_pair: break;
+    }
+    return servobus::full<servobus::i32>;
+}
 
 std::string parse_row(const row_cells& cells, device_row& row) { return row_reader{cells, row}.read(); }
 

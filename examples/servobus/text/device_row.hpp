@@ -33,6 +33,9 @@ struct device_row {
     bool is_selectable = false; ///< `word_order` is
 };
 
+/// The range of a row's type, which its own range lies in.
+servobus::range range_of_type(const device_row& row);
+
 /// Reads the cells. Returns the reason why the row is refused; empty if it is not.
 std::string parse_row(const row_cells& cells, device_row& row);
 

@@ -16,6 +16,7 @@
 //   node 1: response, left_actual_speed = 10.0 r/min, right_actual_speed = 10.0 r/min
 //   node 1: response, exception 2 (illegal data address) to read unknown register (0x3000)
 //   node 1: response, coils 0x0013..0x001C = 11001101 01
+//   node 1: write valve (0x0003) = open (0x0001)
 //   node 1: valid frame of function 65h (user-defined), data 01
 #pragma once
 
@@ -25,6 +26,7 @@
 
 #include <servobus/explain/detail/explainer.hpp>
 #include <servobus/explain/explanation.hpp>
+#include <servobus/explain/table_catalogues.hpp>
 #include <servobus/registers/catalogue.hpp>
 
 namespace servobus {
@@ -41,12 +43,18 @@ namespace servobus {
 /// read).
 constexpr explanation explain(const catalogue& map, direction way, bytes frame, bytes request,
                               std::span<char> out, word_order order = word_order::unknown) {
-    return detail::explainer{map, order, out}.explain(way, frame, request);
+    return detail::explainer{table_catalogues{&map}, order, out}.explain(way, frame, request);
 }
 
 /// The same without a request.
 constexpr explanation explain(const catalogue& map, direction way, bytes frame, std::span<char> out) {
     return explain(map, way, frame, bytes{}, out);
+}
+
+/// The same with names for coils, discrete inputs and input registers too.
+constexpr explanation explain(const table_catalogues& maps, direction way, bytes frame, bytes request,
+                              std::span<char> out, word_order order = word_order::unknown) {
+    return detail::explainer{maps, order, out}.explain(way, frame, request);
 }
 
 } // namespace servobus

@@ -14,6 +14,7 @@
 #include <servobus/explain/detail/function_text.hpp>
 #include <servobus/explain/detail/register_text.hpp>
 #include <servobus/explain/explanation.hpp>
+#include <servobus/explain/table_catalogues.hpp>
 #include <servobus/modbus/functions.hpp>
 #include <servobus/modbus/rtu.hpp>
 
@@ -21,8 +22,8 @@ namespace servobus::detail {
 
 class explainer {
   public:
-    constexpr explainer(const catalogue& map, word_order order, std::span<char> room)
-        : out_{room}, registers_{map, order, out_} {}
+    constexpr explainer(const table_catalogues& maps, word_order order, std::span<char> room)
+        : out_{room}, registers_{maps, order, out_}, functions_{maps, registers_, out_} {}
 
     constexpr explanation explain(direction way, bytes frame, bytes before) {
         const result<modbus::opened> adu = modbus::open_frame(frame);
@@ -175,7 +176,7 @@ class explainer {
 
     text_writer out_;
     register_text registers_;
-    function_text functions_{registers_, out_};
+    function_text functions_;
     modbus::opened request_{}; // to which the frame may respond; without a PDU if there is none
     explanation found_{};
 };

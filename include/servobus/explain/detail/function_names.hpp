@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSL-1.0
 //
 // The names of functions, of the sub-functions of 08 and of the objects of an identification, as the standard has them
-// (Modbus Application Protocol V1.1b3, section 6); and numbers, bits and bytes of a frame as text.
+// (Modbus Application Protocol V1.1b3, section 6); and numbers and bytes of a frame as text.
 #pragma once
 
 #include <servobus/core/cxx20.hpp>
@@ -12,8 +12,8 @@
 
 #include <servobus/core/bytes.hpp>
 #include <servobus/core/text.hpp>
-#include <servobus/modbus/bits.hpp>
 #include <servobus/modbus/diagnostics.hpp>
+#include <servobus/modbus/pdu.hpp>
 
 namespace servobus::detail {
 
@@ -101,18 +101,6 @@ constexpr void put_words(text_writer& out, words_view words) {
     for (std::size_t i = 0; i < words.size(); ++i) {
         out << ' ';
         out.hex_word(words[i]);
-    }
-}
-
-/// Writes on or off for one bit; several as digits in groups of eight, that of the lowest address first.
-constexpr void put_bits(text_writer& out, modbus::bits_view bits) {
-    if (bits.size() == 1) {
-        out << (bits[0] ? "on" : "off");
-        return;
-    }
-    for (std::size_t i = 0; i < bits.size(); ++i) {
-        if (i != 0 && i % 8 == 0) out << ' ';
-        out << (bits[i] ? '1' : '0');
     }
 }
 

@@ -9,15 +9,18 @@
 #include <cstddef>
 #include <cstdint>
 
+#include <servobus/explain/detail/bit_text.hpp>
 #include <servobus/explain/detail/function_names.hpp>
 #include <servobus/explain/detail/register_text.hpp>
+#include <servobus/explain/table_catalogues.hpp>
 #include <servobus/modbus/functions.hpp>
 
 namespace servobus::detail {
 
 class function_text {
   public:
-    constexpr function_text(register_text& registers, text_writer& out) : registers_{registers}, out_{out} {}
+    constexpr function_text(const table_catalogues& maps, register_text& registers, text_writer& out)
+        : registers_{registers}, bits_{maps, out}, out_{out} {}
 
     /// Writes "read bus_voltage (0x20A1)" or "write coil 0x00AC = on".
     constexpr void put_request(bytes pdu) {
@@ -26,7 +29,7 @@ class function_text {
         case function::read_coils:
         case function::read_discrete_inputs:
         case function::write_single_coil:
-        case function::write_multiple_coils: return put_bits_request(*modbus::parse_bits_request(pdu));
+        case function::write_multiple_coils: return bits_.put_request(*modbus::parse_bits_request(pdu));
         case function::read_exception_status: out_ << "read exception status"; return;
         case function::get_event_counter: out_ << "read event counter"; return;
         case function::get_event_log: out_ << "read event log"; return;
@@ -45,7 +48,7 @@ class function_text {
         }
         case function::read_fifo_queue:
             out_ << "read FIFO queue";
-            return put_address(*modbus::parse_fifo_request(pdu));
+            return put_address(out_, *modbus::parse_fifo_request(pdu));
         case function::encapsulated_interface:
             return put_identification_request(*modbus::parse_identification_request(pdu));
         default: return put_register_request(*modbus::parse_request(pdu));
@@ -57,15 +60,9 @@ class function_text {
         using modbus::function;
         switch (static_cast<function>(pdu[0])) {
         case function::read_coils:
-        case function::read_discrete_inputs: return put_read_bits(pdu, request);
+        case function::read_discrete_inputs: return bits_.put_read(pdu, request);
         case function::write_single_coil:
-            put_bits_request(*modbus::parse_bits_request(pdu), false);
-            out_ << " written";
-            return;
-        case function::write_multiple_coils:
-            put_range("coil", load_word(pdu, 1), load_word(pdu, 3));
-            out_ << " written";
-            return;
+        case function::write_multiple_coils: return bits_.put_written(pdu);
         case function::read_exception_status:
             out_ << "exception status 0x";
             out_.hex(*modbus::parse_exception_status(pdu), 2);
@@ -93,7 +90,7 @@ class function_text {
         }
         case function::read_fifo_queue:
             out_ << "FIFO queue";
-            if (!request.empty()) put_address(load_word(request, 1));
+            if (!request.empty()) put_address(out_, load_word(request, 1));
             out_ << ", ";
             return put_words(out_, *modbus::parse_fifo_response(pdu));
         case function::encapsulated_interface: return put_identification(pdu);
@@ -102,45 +99,13 @@ class function_text {
     }
 
   private:
-    constexpr void put_address(u16 address) {
-        out_ << " (";
-        out_.hex_word(address) << ')';
+    static constexpr table table_of(std::uint8_t code) {
+        return code == 0x04 ? table::input_registers : table::holding_registers;
     }
-    /// Writes "coil 0x00AC", "coils 0x0013..0x0025".
-    constexpr void put_range(const char* what, u16 first, std::size_t count) {
-        out_ << what << (count == 1 ? " " : "s ");
-        out_.hex_word(first);
-        if (count == 1) return;
-        out_ << "..";
-        out_.hex_word(static_cast<u16>(first + count - 1));
-    }
-    static constexpr const char* bit_of(modbus::function code) {
-        return code == modbus::function::read_discrete_inputs ? "discrete input" : "coil";
-    }
-
-    constexpr void put_bits_request(const modbus::bits_request& r, bool has_verb = true) {
-        if (has_verb) out_ << (r.is_read() ? "read " : "write ");
-        put_range(bit_of(r.code), r.address, r.quantity);
-        if (r.is_read()) return;
-        out_ << " = ";
-        put_bits(out_, r.coils());
-    }
-    constexpr void put_read_bits(bytes pdu, bytes request) {
-        if (request.empty()) {
-            put_number_of(out_, pdu[1], "byte");
-            out_ << " of " << bit_of(static_cast<modbus::function>(pdu[0])) << 's';
-            return put_bytes(out_, pdu.subspan(2));
-        }
-        const modbus::bits_request asked = *modbus::parse_bits_request(request);
-        put_range(bit_of(asked.code), asked.address, asked.quantity);
-        out_ << " = ";
-        put_bits(out_, {pdu.subspan(2), asked.quantity});
-    }
-
     constexpr void put_register_request(const modbus::request& r) {
         out_ << (modbus::is_read(r.code) ? "read " : "write ");
         registers_.put(r.address, r.quantity, modbus::is_write(r.code) ? r.values() : words_view{},
-                       register_text::kind::request);
+                       register_text::kind::request, table_of(r.code));
         if (r.code == 0x04) out_ << " as input registers";
     }
     constexpr void put_register_response(const modbus::response& r, bytes request) {
@@ -152,7 +117,7 @@ class function_text {
             put_words(out_, r.values());
         } else {
             registers_.put(load_word(request, 1), load_word(request, 3), r.values(),
-                           register_text::kind::values);
+                           register_text::kind::values, table_of(r.code));
         }
     }
     constexpr void put_mask_write(const modbus::mask_write& change, register_text::kind how) {
@@ -244,6 +209,7 @@ class function_text {
     }
 
     register_text& registers_;
+    bit_text bits_;
     text_writer& out_;
 };
 

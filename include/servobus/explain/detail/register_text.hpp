@@ -12,27 +12,49 @@
 
 #include <servobus/core/bytes.hpp>
 #include <servobus/core/text.hpp>
+#include <servobus/explain/table_catalogues.hpp>
 #include <servobus/registers/catalogue.hpp>
 #include <servobus/registers/format.hpp>
+#include <servobus/registers/reg.hpp>
 #include <servobus/registers/wire.hpp>
 
 namespace servobus::detail {
+
+/// Writes " (0x2080)".
+constexpr void put_address(text_writer& out, u16 address) {
+    out << " (";
+    out.hex_word(address) << ')';
+}
+
+/// Writes " (outside 1..5000 ms)" if the row does not take the number.
+constexpr void put_outside(text_writer& out, const entry& e, std::int64_t number) {
+    if (e.limits.contains(number)) return;
+    out << " (outside ";
+    put_count(out, e.limits.low, e.unit_of_count);
+    out << "..";
+    put_count(out, e.limits.high, e.unit_of_count);
+    out << ')';
+}
 
 class register_text {
   public:
     enum class kind : std::uint8_t { request, response, values };
 
-    constexpr register_text(const catalogue& map, word_order order, text_writer& out)
-        : map_{&map}, word_order_{order == word_order::unknown ? map.device->word_order : order}, out_{out} {
+    constexpr register_text(const table_catalogues& maps, word_order order, text_writer& out)
+        : maps_{maps}, map_{maps.holding_registers},
+          word_order_{order == word_order::unknown ? device().word_order : order}, out_{out} {
         if (word_order_ == word_order::unknown) assume_factory_word_order();
     }
     register_text(const register_text&) = delete;
     register_text& operator=(const register_text&) = delete;
 
-    constexpr const profile& device() const { return *map_->device; }
+    constexpr const profile& device() const { return *maps_.holding_registers->device; }
 
     /// Writes the names of registers and, if `words` is not empty, their values: "name (0x2080) = 500 ms, …".
-    constexpr void put(u16 address, u16 quantity, words_view words, kind how) {
+    constexpr void put(u16 address, u16 quantity, words_view words, kind how,
+                       table in = table::holding_registers) {
+        const bool has_own_names = in == table::input_registers && maps_.input_registers != nullptr;
+        map_ = has_own_names ? maps_.input_registers : maps_.holding_registers;
         bool is_rescalable = false;
         bool is_reorderable = false;
         for (u16 i = 0; i < quantity;) {
@@ -47,7 +69,7 @@ class register_text {
             const bool is_whole = at == e->address && i + size <= quantity;
             if (!is_whole) out_ << half_of_pair(*e, at == e->address);
             out_ << e->name;
-            if (how != kind::values) put_address(at);
+            if (how != kind::values) put_address(out_, at);
             if (i < words.size()) {
                 out_ << " = ";
                 if (is_whole) {
@@ -68,7 +90,7 @@ class register_text {
 
   private:
     constexpr void assume_factory_word_order() {
-        const u16 at = map_->device->word_order_register;
+        const u16 at = device().word_order_register;
         const entry* e = at != 0 ? map_->find(at) : nullptr;
         if (e == nullptr || e->initial < 0 || e->initial > 1) return;
         word_order_ = e->initial == 0 ? word_order::high_first : word_order::low_first;
@@ -87,13 +109,7 @@ class register_text {
             bits = join_words(words[i], words[i + 1], order);
         }
         put_value(out_, e, bits);
-        if (how == kind::request && !e.limits.contains(e.number(bits))) {
-            out_ << " (outside ";
-            put_count(out_, e.limits.low, e.unit_of_count);
-            out_ << "..";
-            put_count(out_, e.limits.high, e.unit_of_count);
-            out_ << ')';
-        }
+        if (how == kind::request) put_outside(out_, e, e.number(bits));
     }
 
     static constexpr bool has_own_order(const entry& e) { return e.own_word_order != word_order::unknown; }
@@ -125,12 +141,8 @@ class register_text {
         return n;
     }
 
-    constexpr void put_address(u16 address) {
-        out_ << " (";
-        out_.hex_word(address) << ')';
-    }
-
-    const catalogue* map_;
+    table_catalogues maps_;
+    const catalogue* map_; // of the table that the frame is about
     word_order word_order_;
     bool is_factory_word_order_ = false; // `word_order_` is assumed; the text has a note
     text_writer& out_;

@@ -1,0 +1,23 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// The rows of a device as C++, and their entries in a catalogue.
+#pragma once
+
+#include <string>
+
+#include <servobus/registers/catalogue.hpp>
+
+namespace tool::cpp {
+
+/// The definition of a row: `rw<servobus::u16> ratio{0x0030, {1, 1000}, servobus::units::times / 100, 100}`. `codes` is the
+/// enumeration of its codes; empty if it has none.
+std::string row(const servobus::entry& e, servobus::table in, const std::string& name,
+                const std::string& codes);
+
+/// The entry of a row in its catalogue. `row` is the row's full name, `names` that of the array of its names; empty if it
+/// has none.
+std::string row_entry(const servobus::entry& e, servobus::table in, const std::string& row,
+                      const std::string& names);
+
+} // namespace tool::cpp
