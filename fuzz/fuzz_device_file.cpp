@@ -12,8 +12,10 @@
 
 #include "../examples/servobus/text/csv.cpp"
 #include "../examples/servobus/text/device_file.cpp"
+#include "../examples/servobus/text/device_names.cpp"
 #include "../examples/servobus/text/device_profile.cpp"
 #include "../examples/servobus/text/device_row.cpp"
+#include "../examples/servobus/text/device_unit.cpp"
 #include "../examples/servobus/text/line_settings.cpp"
 #include "../examples/servobus/text/map_text.cpp"
 #include "../examples/servobus/text/nearest.cpp"
