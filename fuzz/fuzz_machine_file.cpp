@@ -149,7 +149,7 @@ void judge_findings(std::string_view text) {
     const std::string why = tool::parse_findings(found, "zlac8015d", text);
     if (!why.empty()) return judge_refusal(why, text);
     tool::findings again{open_places};
-    const std::string written = tool::findings_text(found, "zlac8015d");
+    const std::string written = tool::findings_head(found, "zlac8015d") + tool::finding_lines(found);
     require(tool::parse_findings(again, "zlac8015d", written).empty(), "written findings are a file");
     require(again.firmware == found.firmware, "and have the same firmware");
     for (std::size_t i = 0; i < std::size(open_places); ++i) {

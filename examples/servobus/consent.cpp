@@ -11,15 +11,19 @@
 
 namespace tool {
 
-int ask_consent(const arguments& asked, const std::string& verb, const char* to_do, const char* refusal) {
-    if (asked.has("yes")) return done;
-    if (!streams::flush()) return failed;
-    (void)std::fprintf(stderr, "Type %s to %s: ", verb.c_str(), to_do);
+std::string answer_to(const std::string& question) {
+    (void)std::fprintf(stderr, "%s", question.c_str());
     (void)std::fflush(stderr);
     std::string answer;
     if (!std::getline(std::cin, answer)) (void)std::fputs("\n", stderr);
     if (answer.ends_with('\r')) answer.pop_back(); // from a console of Windows
-    if (answer == verb) return done;
+    return answer;
+}
+
+int ask_consent(const arguments& asked, const std::string& verb, const char* to_do, const char* refusal) {
+    if (asked.has("yes")) return done;
+    if (!streams::flush()) return failed;
+    if (answer_to("Type " + verb + " to " + to_do + ": ") == verb) return done;
     return complain(failed, std::string{refusal} + "; --yes does it without a question");
 }
 

@@ -190,6 +190,8 @@ struct device_word {
 };
 device_word split_device(std::string_view text);
 
+/// A line that a person types on standard input, after a question on standard error; empty at its end.
+std::string answer_to(const std::string& question);
 /// Returns `done` with `--yes`, or once a person has typed `verb`; else complains by itself.
 int ask_consent(const arguments& asked, const std::string& verb, const char* to_do = "write",
                 const char* refusal = "not confirmed, nothing was written");

@@ -4,6 +4,7 @@
 import os
 import signal
 import sys
+import time
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
@@ -117,6 +118,36 @@ def without_consent(tool: Tool):
         tool.is_equal("and settles what needs no motion", settled, {"code"})
         tool.says("nothing was enabled", f"read drive zlac8015d control_word mode_of_operation {WAIT}",
                   "control_word=stop (0x0007)", "mode_of_operation=undefined (0x0000)")
+
+
+@scene(*os.environ.get("PROBED", "zlac8015d").split())
+def interrupted(tool: Tool, device: str):
+    """Ctrl-C while the motor is held or turns: it stands, the drive has its words, and what was found till then is kept."""
+    with tool.simulated(device):
+        if device == "yako-closed-loop":
+            tool.run(f"write drive {device} auxiliary_command=release --yes {WAIT}")
+        tool.run(f"backup drive {device} before.txt {WAIT}")
+        for seconds in (0.2, 3):
+            reads, writes = os.pipe()
+            with os.fdopen(reads) as stdin:
+                running = tool.start(f"probe drive {device} found.txt {WAIT}", stdin=stdin)
+                until(lambda: running.err.endswith((": ", "] ")))
+                while not running.err.endswith("to agree, anything else to leave it out: ") or "turn" not in running.err:
+                    asked = running.err
+                    os.write(writes, b"move\n" if asked.endswith("leave it out: ") else b"?\n")
+                    until(lambda: running.err != asked and running.err.endswith((": ", "] ")))
+                os.write(writes, b"move\n")
+                time.sleep(seconds)  # somewhere in a step
+                running.send(signal.SIGINT)
+                os.close(writes)
+                tool.ends(running)
+            tool.check(f"{device}, after {seconds} s: it says so", tool.last.status == 1 and "ended early: interrupted" in
+                       tool.last.err, tool.found())
+            tool.check(f"{device}, after {seconds} s: and keeps its findings", tool.exists("found.txt"))
+            tool.run(f"backup drive {device} after.txt {WAIT}")
+            tool.is_equal(f"{device}, after {seconds} s: the drive has its words", tool.read("after.txt"), tool.read("before.txt"))
+            tool.run(f"restore drive {device} before.txt --dry-run {WAIT}")
+            tool.check(f"{device}, after {seconds} s: and is at rest", tool.last.status == 0, tool.found())
 
 
 @scene()

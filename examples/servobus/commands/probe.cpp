@@ -3,8 +3,8 @@
 //
 // servobus probe: settles on a real drive what its manual leaves open, with a person beside it.
 #include <cstdio>
-#include <iostream>
 #include <string>
+#include <utility>
 
 #include <servobus/modbus/pdu.hpp>
 #include <servobus/modbus/rtu.hpp>
@@ -29,7 +29,8 @@ class real_bench final : public probe_bench {
 
   private:
     bool read_now(u16 address, std::span<u16> words) override {
-        if (interrupts::came()) return fail("interrupted");
+        // Once: what gives the drive its words back reads too.
+        if (interrupts::came() && !std::exchange(was_interrupted_, true)) return fail("interrupted");
         const chosen what{hex_word(address), address, static_cast<u16>(words.size()), nullptr};
         const servobus::status why = on_->read(what, words);
         return why.error() == servobus::errc::ok || fail(what.name + ": " + why_text(*of_, why, *on_));
@@ -102,14 +103,6 @@ class real_bench final : public probe_bench {
     servobus::instant clock() const override { return on_->port().now(); }
 
     servobus::duration longest_wait() const { return on_->response_limit() + servobus::milliseconds(200); }
-    static std::string answer_to(const std::string& question) {
-        (void)std::fprintf(stderr, "%s", question.c_str());
-        (void)std::fflush(stderr);
-        std::string answer;
-        if (!std::getline(std::cin, answer)) (void)std::fputs("\n", stderr);
-        if (answer.ends_with('\r')) answer.pop_back();
-        return answer;
-    }
     bool fail(const std::string& why) {
         if (trouble_.empty()) trouble_ = why;
         return false;
@@ -118,15 +111,8 @@ class real_bench final : public probe_bench {
     session* on_;
     const target* of_;
     std::string trouble_{};
+    bool was_interrupted_ = false;
 };
-
-// Prints each interpretation on a line: the way that was found, or `?`.
-void print(const findings& found) {
-    for (std::size_t i = 0; i < found.all().size(); ++i) {
-        const interpretation& what = found.all()[i];
-        std::printf("%s=%s # %s\n", what.name, found.way(i) ? what.ways[*found.way(i)] : "?", what.place);
-    }
-}
 
 } // namespace
 
@@ -155,8 +141,10 @@ int probe(const arguments& asked) {
     found.firmware = std::to_string(version[0]);
     real_bench bench{on, *of};
     of->kind->probe(bench, found);
-    print(found);
-    if (const int status = file.put(findings_text(found, of->facts().name)); status != done) return status;
+    const std::string lines = finding_lines(found);
+    std::printf("%s", lines.c_str());
+    if (const int status = file.put(findings_head(found, of->facts().name) + lines); status != done)
+        return status;
     return bench.trouble().empty() ? done : complain(failed, "ended early: " + bench.trouble());
 }
 

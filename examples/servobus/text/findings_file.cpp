@@ -39,10 +39,15 @@ std::string take_finding(findings& found, std::string_view key, std::string_view
 
 } // namespace
 
-std::string findings_text(const findings& found, std::string_view device) {
+std::string findings_head(const findings& found, std::string_view device) {
     std::string text =
         std::string{findings_magic} + std::string{findings_format} + " device=" + std::string{device} + '\n';
     if (!found.firmware.empty()) text += "firmware=" + found.firmware + '\n';
+    return text;
+}
+
+std::string finding_lines(const findings& found) {
+    std::string text;
     for (std::size_t i = 0; i < found.all().size(); ++i) {
         const interpretation& what = found.all()[i];
         text += std::string{what.name} + '=' + (found.way(i) ? what.ways[*found.way(i)] : "?") + " # " +

@@ -18,7 +18,9 @@
 
 namespace tool {
 
-std::string findings_text(const findings& found, std::string_view device);
+/// The first lines of such a file, then a line for each interpretation.
+std::string findings_head(const findings& found, std::string_view device);
+std::string finding_lines(const findings& found);
 /// Takes a file apart. Returns what is wrong, `LINE: why`; empty if nothing is.
 std::string parse_findings(findings& found, std::string_view device, std::string_view text);
 
