@@ -7,22 +7,15 @@
 #pragma once
 
 #include <cstdint>
-#include <optional>
 
-#include <servobus/core/bytes.hpp>
-#include <servobus/device/yako/closed_loop.hpp>
-#include <servobus/device/yako/common.hpp>
-#include <servobus/device/yako/homing.hpp>
-
-#include "probe_steps.hpp"
+#include "yako_motions.hpp"
 
 namespace tool {
 
 /// The drive is at rest and without an alarm. `has_encoder`: closed loop.
-class yako_probe : probe_steps {
+class yako_probe : yako_motions {
   public:
-    yako_probe(probe_bench& on, findings& found, bool has_encoder)
-        : probe_steps{on, found, servobus::milliseconds(50)}, has_encoder_{has_encoder} {}
+    yako_probe(probe_bench& on, findings& found, bool has_encoder) : yako_motions{on, found, has_encoder} {}
 
     void run() {
         note_old_words();
@@ -46,32 +39,6 @@ class yako_probe : probe_steps {
     }
 
   private:
-    using bits = servobus::yako::motion_status;
-    using motion = servobus::yako::motion_code;
-    using auxiliary = servobus::yako::auxiliary;
-
-    static constexpr u16 slow = 5;        // r/min, the least that a homing takes
-    static constexpr u16 short_ramp = 30; // ms, the least that a homing takes
-    static constexpr int most = 200;      // readings
-
-    // --- Registers
-
-    void note_old_words() {
-        namespace y = servobus::yako;
-        namespace c = servobus::yako::closed_loop;
-        for (const u16 address :
-             {y::pair_word_order.address, y::node_address.address, y::jog_acceleration_time.address,
-              y::jog_deceleration_time.address, y::acceleration_time.address, y::deceleration_time.address,
-              y::homing_offset_mode.address, y::homing_ramp_time.address, y::in_position_time.address,
-              c::jog_speed.address, c::start_speed.address, c::positioning_speed.address,
-              c::homing_method.address, c::homing_fast_speed.address, c::homing_slow_speed.address})
-            old_.note(address);
-        if (has_encoder_) old_.note(c::speed_resolution.address);
-        old_.note_pair(y::home_offset.address);
-        old_.note_pair(y::target_position.address);
-        note_order(y::pair_word_order.address);
-        was_enabled_ = !has(bits::released_bit);
-    }
     // The owner's words, in the EEPROM where the probe's are there. Again if the line is lost meanwhile.
     void give_back() {
         for (int i = 0; i < 3; ++i) {
@@ -84,90 +51,7 @@ class yako_probe : probe_steps {
             if (!on_->has_failed()) return;
         }
     }
-    // What every motion here runs with.
-    void go_slowly() {
-        namespace y = servobus::yako;
-        namespace c = servobus::yako::closed_loop;
-        if (has_encoder_) (void)on_->write(c::speed_resolution.address, 0);
-        for (const u16 address : {c::jog_speed.address, c::positioning_speed.address,
-                                  c::homing_fast_speed.address, c::homing_slow_speed.address})
-            (void)on_->write(address, slow);
-        (void)on_->write(c::start_speed.address, 0);
-        for (const u16 address :
-             {y::jog_acceleration_time.address, y::jog_deceleration_time.address,
-              y::acceleration_time.address, y::deceleration_time.address, y::homing_ramp_time.address})
-            (void)on_->write(address, short_ramp);
-    }
-    std::int32_t position() { return read_number(servobus::yako::actual_position.address); }
-    u16 status() { return on_->read(servobus::yako::status_word.address); }
-    bool has(u16 bit) { return (status() & bit) != 0; }
-    int speed() {
-        const int counts =
-            static_cast<std::int16_t>(on_->read(servobus::yako::closed_loop::actual_speed.address));
-        return counts < 0 ? -counts : counts;
-    }
 
-    // --- Commands
-
-    bool command(motion c) { return on_->write(servobus::yako::motion_command.address, c.to_word()); }
-    bool help(auxiliary a) {
-        return on_->write(servobus::yako::auxiliary_command.address, static_cast<u16>(a));
-    }
-    void save() {
-        has_saved_ = has_saved_ || !on_->has_failed();
-        help(auxiliary::save_parameters);
-    }
-    void make_safe() {
-        on_->write_safely(servobus::yako::motion_command.address, motion::emergency_stop().to_word());
-        on_->write_safely(servobus::yako::auxiliary_command.address, static_cast<u16>(auxiliary::release));
-    }
-    bool rests() {
-        return until([&] { return !has(bits::moving_bit); }, most);
-    }
-    // Enabled, at rest, its parameters slow.
-    void enable() {
-        go_slowly();
-        help(auxiliary::enable);
-        wait();
-    }
-    void stop() {
-        command(motion::stop());
-        (void)rests();
-    }
-    // Also what a stop does not end.
-    void stop_in_any_case() {
-        command(motion::stop());
-        if (until([&] { return !has(bits::moving_bit); }, 20)) return;
-        help(auxiliary::release);
-        (void)rests();
-        enable();
-    }
-    bool moves(std::int32_t way) {
-        namespace y = servobus::yako;
-        (void)write_number(y::target_position.address, way);
-        return command(motion::move(y::positioning::relative));
-    }
-    bool is_in_motion() {
-        return until([&] { return has(bits::moving_bit); }, 20);
-    }
-    // Takes the present place as home without motion, and keeps the position.
-    void home_here() {
-        namespace y = servobus::yako;
-        (void)write_number(y::home_offset.address, 0);
-        (void)on_->write(y::homing_offset_mode.address,
-                         static_cast<u16>(y::offset_handling::stay_position_actual));
-        (void)on_->write(y::closed_loop::homing_method.address,
-                         static_cast<u16>(y::homing::current_position));
-        command(motion::home());
-        wait();
-        (void)rests();
-    }
-    // A search for a home switch that does not come soon: it turns slowly until it is stopped.
-    void search() {
-        namespace y = servobus::yako;
-        (void)on_->write(y::closed_loop::homing_method.address, 20);
-        command(motion::home());
-    }
     // --- Steps without motion
 
     void bad_crc() { found("answers_bad_crc", on_->answers_bad_crc()); }
@@ -192,124 +76,7 @@ class yako_probe : probe_steps {
         found("refuses_unfit", !is_taken);
     }
 
-    // --- Steps with motion
-
-    // Bit 1 while the offset behind home is moved; only of a drive that was not homed before.
-    void homed_at_an_offset() {
-        namespace y = servobus::yako;
-        enable();
-        const bool was_homed = has(bits::homed_bit);
-        (void)write_number(y::home_offset.address, 40);
-        (void)on_->write(y::homing_offset_mode.address,
-                         static_cast<u16>(y::offset_handling::move_position_actual));
-        (void)on_->write(y::closed_loop::homing_method.address,
-                         static_cast<u16>(y::homing::current_position));
-        command(motion::home());
-        const bool is_moving = is_in_motion();
-        const u16 now = status();
-        if (is_moving && !was_homed && (now & bits::moving_bit) != 0)
-            found("is_homed_before_offset", (now & bits::homed_bit) != 0);
-        (void)rests();
-    }
-
-    // Bit 0 before any move since power-on is asked after the power cycle; here after a move, a jog, and its stop.
-    void in_position() {
-        enable();
-        moves(20);
-        (void)is_in_motion();
-        (void)rests();
-        on_->wait(servobus::milliseconds(500));
-        command(motion::jog());
-        const bool is_moving = is_in_motion();
-        const u16 in_motion = status();
-        stop();
-        on_->wait(servobus::milliseconds(500));
-        if (!is_moving || (in_motion & bits::moving_bit) == 0) return;
-        is_set_in_motion_ = (in_motion & bits::in_position_bit) != 0;
-        is_set_after_stop_ = has(bits::in_position_bit);
-    }
-    void judge_in_position(bool is_set_at_power_on) {
-        if (!is_set_in_motion_ || !is_set_after_stop_) return;
-        if (*is_set_in_motion_)
-            found("in_position", "until_next_move");
-        else if (!*is_set_after_stop_)
-            found("in_position", "at_target");
-        else if (!is_set_at_power_on)
-            found("in_position", "after_first_move");
-        // `at_rest` or `until_commanded`: they differ for the two milliseconds after a command alone.
-    }
-
-    void what_clears_homed() {
-        enable();
-        home_here();
-        if (!has(bits::homed_bit)) return;
-        command(motion::emergency_stop());
-        wait();
-        if (!has(bits::homed_bit)) return found("homed", "until_place_lost");
-        search();
-        if (is_in_motion()) {
-            const u16 now = status();
-            if ((now & bits::moving_bit) != 0)
-                found("homed", (now & bits::homed_bit) != 0 ? "always" : "until_homing");
-        }
-        stop_in_any_case();
-    }
-
-    void stop_while_homing() {
-        enable();
-        search();
-        if (!is_in_motion()) return;
-        command(motion::stop());
-        found("stops_homing", until([&] { return !has(bits::moving_bit); }, 20));
-        stop_in_any_case();
-    }
-
-    // A ramp of 2 s: to 1000 r/min it leads to 5 r/min in a hundredth of it.
-    void ramp() {
-        namespace y = servobus::yako;
-        enable();
-        (void)on_->write(y::jog_acceleration_time.address, 2000);
-        command(motion::jog());
-        if (!is_in_motion()) return;
-        on_->wait(servobus::milliseconds(200));
-        const int early = speed();
-        const bool is_full_later = until([&] { return speed() >= slow; }, 80);
-        if (is_full_later) found("ramps_to_1000_r_per_min", early >= slow - 1);
-        stop();
-    }
-
-    // 200 pulses forward, interrupted soon by 50 more.
-    void interrupted_move() {
-        namespace y = servobus::yako;
-        enable();
-        const std::int32_t from = position();
-        moves(200);
-        if (!is_in_motion()) return;
-        (void)write_number(y::target_position.address, 50);
-        command(motion::move(y::positioning::relative, y::while_moving::interrupt));
-        wait();
-        if (!rests()) return stop();
-        const std::int32_t way = position() - from;
-        if (way > 45 && way < 190) found("interrupts_from_target", false);
-        if (way >= 240 && way <= 260) found("interrupts_from_target", true);
-    }
-
-    // 20 counts in tenths are 2 r/min, or 20 if only the feedback is in tenths.
-    void speed_unit() {
-        namespace c = servobus::yako::closed_loop;
-        enable();
-        (void)on_->write(c::speed_resolution.address, 1);
-        (void)on_->write(c::jog_speed.address, 20);
-        command(motion::jog());
-        if (is_in_motion()) {
-            on_->wait(servobus::milliseconds(500));
-            const int counts = speed();
-            if (counts >= 15 && counts <= 25) found("rescales_feedback_only", false);
-            if (counts >= 150 && counts <= 250) found("rescales_feedback_only", true);
-        }
-        stop();
-        (void)on_->write(c::speed_resolution.address, 0);
-    }
+    // --- Power cycles
 
     // What is kept: a row without S, a setting of the line, a row with S that was saved while the motor moved.
     void after_power_cycles() {
@@ -365,13 +132,6 @@ class yako_probe : probe_steps {
         found("saves_while_moving", is_saved);
         return is_saved;
     }
-    u16 other_than(u16 address, u16 one, u16 other) const { return old_.word(address) == one ? other : one; }
-
-    bool has_encoder_;
-    bool was_enabled_ = false;
-    bool has_saved_ = false;
-    std::optional<bool> is_set_in_motion_{}; // bit 0 during a jog
-    std::optional<bool> is_set_after_stop_{};
 };
 
 } // namespace tool
