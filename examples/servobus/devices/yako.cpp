@@ -62,37 +62,39 @@ turned_shafts yako_turning(session& on) {
 constexpr save_command yako_save{servobus::yako::auxiliary_command.address,
                                  static_cast<u16>(servobus::yako::auxiliary::save_parameters)};
 
-const registered_drive of_yako_closed_loop{{.map = servobus::yako::closed_loop::catalogue,
-                                            .simulate = simulate_yako_closed_loop,
-                                            .alarms = yako_alarms,
-                                            .at_rest = yako_at_rest,
-                                            .stops = yako_stops,
-                                            .save = yako_save,
-                                            .interpretations = yako_interpretations,
-                                            .probe =
-                                                [](probe_bench& on, findings& found) {
-                                                    yako_probe{on, found, true}.run();
-                                                },
-                                            .version_register = servobus::yako::drive_version.address,
-                                            .turning = yako_turning,
-                                            .on_line = &servobus::yako::device::on_line,
-                                            .node_register = servobus::yako::node_address.address,
-                                            .examination = &diagnosis::yako_closed_loop_examination}};
-const registered_drive of_yako_open_loop{{.map = servobus::yako::open_loop::catalogue,
-                                          .simulate = simulate_yako_open_loop,
-                                          .alarms = yako_alarms,
-                                          .at_rest = yako_at_rest,
-                                          .stops = yako_stops,
-                                          .save = yako_save,
-                                          .interpretations = yako_interpretations,
-                                          .probe =
-                                              [](probe_bench& on, findings& found) {
-                                                  yako_probe{on, found, false}.run();
-                                              },
-                                          .version_register = servobus::yako::drive_version.address,
-                                          .on_line = &servobus::yako::device::on_line,
-                                          .node_register = servobus::yako::node_address.address,
-                                          .examination = &diagnosis::yako_open_loop_examination}};
+template <bool HasEncoder> void probe_yako(probe_bench& on, findings& found) {
+    yako_probe{on, found, HasEncoder}.run();
+}
+
+// What both have in common.
+known_drive yako(const servobus::catalogue& map, int (&simulate)(const simulation&)) {
+    return {.map = map,
+            .simulate = simulate,
+            .alarms = yako_alarms,
+            .at_rest = yako_at_rest,
+            .stops = yako_stops,
+            .save = yako_save,
+            .interpretations = yako_interpretations,
+            .version_register = servobus::yako::drive_version.address,
+            .on_line = &servobus::yako::device::on_line,
+            .node_register = servobus::yako::node_address.address};
+}
+known_drive closed_loop() {
+    known_drive d = yako(servobus::yako::closed_loop::catalogue, simulate_yako_closed_loop);
+    d.probe = probe_yako<true>;
+    d.turning = yako_turning;
+    d.examination = &diagnosis::yako_closed_loop_examination;
+    return d;
+}
+known_drive open_loop() {
+    known_drive d = yako(servobus::yako::open_loop::catalogue, simulate_yako_open_loop);
+    d.probe = probe_yako<false>;
+    d.examination = &diagnosis::yako_open_loop_examination;
+    return d;
+}
+
+const registered_drive of_yako_closed_loop{closed_loop()};
+const registered_drive of_yako_open_loop{open_loop()};
 
 } // namespace
 } // namespace tool

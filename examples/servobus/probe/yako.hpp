@@ -12,7 +12,7 @@
 
 namespace tool {
 
-/// The drive is at rest and without an alarm. `has_encoder`: closed loop.
+/// The drive is at rest, released and without an alarm, and is so at the end. `has_encoder`: closed loop.
 class yako_probe : yako_motions {
   public:
     yako_probe(probe_bench& on, findings& found, bool has_encoder) : yako_motions{on, found, has_encoder} {}
@@ -46,7 +46,6 @@ class yako_probe : yako_motions {
             if (!on_->is_back(servobus::yako::status_word.address)) return;
             make_safe();
             old_.restore();
-            help(was_enabled_ ? auxiliary::enable : auxiliary::release);
             if (has_saved_) help(auxiliary::save_parameters);
             if (!on_->has_failed()) return;
         }

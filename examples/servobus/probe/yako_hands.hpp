@@ -43,7 +43,6 @@ class yako_hands : public probe_steps {
         old_.note_pair(y::home_offset.address);
         old_.note_pair(y::target_position.address);
         note_order(y::pair_word_order.address);
-        was_enabled_ = !has(bits::released_bit);
     }
     // What every motion here runs with.
     void go_slowly() {
@@ -132,7 +131,6 @@ class yako_hands : public probe_steps {
     u16 other_than(u16 address, u16 one, u16 other) const { return old_.word(address) == one ? other : one; }
 
     bool has_encoder_;
-    bool was_enabled_ = false;
     bool has_saved_ = false;
 };
 

@@ -119,6 +119,12 @@ template <class Model> std::vector<std::uint16_t> words_of(Model& model) {
     return words;
 }
 
+template <class Model> bool is_released(Model& model) {
+    std::uint16_t word[1]{};
+    REQUIRE(model.read(servobus::yako::status_word.address, word) == 0);
+    return (word[0] & servobus::yako::motion_status::released_bit) != 0;
+}
+
 // Whether the readings of these drives can tell.
 bool can_show(std::string_view name, const std::vector<unsigned>& ways, bool has_encoder,
               bool is_by_register) {
@@ -164,6 +170,7 @@ template <class Model> void play(std::uint32_t runs, std::uint64_t seed) {
         }
         CHECK_FALSE(on.has_failed());
         CHECK_FALSE(on.model.view().is_moving);
+        CHECK(is_released(on.model));
         CHECK(on.fastest <= 20);
     }
     for (std::size_t i = 0; i < played.size(); ++i) {
@@ -238,6 +245,7 @@ TEST_CASE("a line that is lost at any request ends the probe of a stepper, which
             const findings found = probed(on);
             ++failed;
             CHECK_FALSE(on.model.view().is_moving);
+            CHECK(is_released(on.model));
             CHECK(words_of(on.model) == before);
             on.model.power_cycle();
             CHECK(words_of(on.model) == before);
