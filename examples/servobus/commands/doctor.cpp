@@ -79,7 +79,7 @@ class consultation {
     }
 
     int examine_any() {
-        const diagnosis::first_row first = diagnosis::first_readable(*of_->kind);
+        const asked_row first = first_readable(*of_->kind);
         if (first.row == nullptr) return complain(usage, of_->kind->word() + " has no row that can be read");
         const servobus::status why = on_.probe(*first.row, first.in);
         if (!why.has_response()) {

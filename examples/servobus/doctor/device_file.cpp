@@ -9,8 +9,6 @@
 namespace tool::diagnosis {
 namespace {
 
-bool is_readable(const servobus::entry& e) { return e.rights != servobus::access::wo; }
-
 std::string range_text(const servobus::entry& e) {
     return number_text(e, e.limits.low) + " .. " + number_text(e, e.limits.high);
 }
@@ -36,20 +34,11 @@ void judge_value(report& to, const servobus::entry& e, std::int64_t number, cons
 
 } // namespace
 
-first_row first_readable(const device& of) {
-    for (const servobus::table t : all_tables) {
-        for (const servobus::entry& e : of.rows_of(t)) {
-            if (is_readable(e)) return {&e, t};
-        }
-    }
-    return {};
-}
-
 servobus::status judge_rows(report& to, session& on, const target& of) {
     for (const servobus::table t : all_tables) {
         std::vector<const servobus::entry*> rows;
         for (const servobus::entry& e : of.kind->rows_of(t)) {
-            if (is_readable(e)) rows.push_back(&e);
+            if (e.rights != servobus::access::wo) rows.push_back(&e);
         }
         held_registers held;
         const auto read = [&](std::span<const servobus::entry* const> some, std::span<u16> words) {

@@ -7,9 +7,9 @@
 namespace tool::diagnosis {
 namespace {
 
-// "1 finding refuses", "2 findings refuse"
-std::string counted(unsigned count, const char* one, const char* many) {
-    return std::to_string(count) + (count == 1 ? " finding " : " findings ") + (count == 1 ? one : many);
+// "1 finding matters", "2 findings matter"
+std::string findings_that(unsigned count, const char* one, const char* many) {
+    return counted(count, "finding") + ' ' + (count == 1 ? one : many);
 }
 
 std::string held_text(const servobus::entry& row, const held_registers& held) {
@@ -58,14 +58,14 @@ void report::finding(const check& c, const held_registers& held, const servobus:
 
 int report::end(bool can_be_enabled) {
     std::string text = device_ + ": ";
-    if (refusals_ != 0) text += counted(refusals_, "refuses an enable", "refuse an enable");
+    if (refusals_ != 0) text += findings_that(refusals_, "refuses an enable", "refuse an enable");
     if (unknown_ != 0) {
-        text += std::string{refusals_ != 0 ? "; " : ""} + std::to_string(unknown_) +
-                (unknown_ == 1 ? " register that decides" : " registers that decide") + " could not be read";
+        text += std::string{refusals_ != 0 ? "; " : ""} + counted(unknown_, "register") +
+                (unknown_ == 1 ? " that decides" : " that decide") + " could not be read";
     }
     if (refusals_ == 0 && unknown_ == 0 && can_be_enabled) text += "nothing refuses an enable";
     if (others_ != 0) {
-        text += (text.ends_with(": ") ? "" : "; ") + counted(others_, "matters", "matter");
+        text += (text.ends_with(": ") ? "" : "; ") + findings_that(others_, "matters", "matter");
     } else if (text.ends_with(": ")) {
         text += "nothing found";
     }
