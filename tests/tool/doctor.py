@@ -242,6 +242,23 @@ def another_device(tool: Doctor):
                "another device than zlac8015d", f"servobus scan {port}")
 
 
+@scene(
+    ("yako-closed-loop", "yako-open-loop"), ("yako-open-loop", "yako-closed-loop"), ("zlac8015d", "c630s"),
+    ("c630s", "zlac8015d"), ("yako-open-loop", "c630s"), ("c630s", "yako-closed-loop"), ("zlac8015d", "yako-open-loop"),
+)
+def another_drive(tool: Doctor, is_there: str, named: str):
+    """It has the name of another drive: doctor says which it perhaps is, and what to ask instead."""
+    with tool.simulated(is_there):
+        tool.run(f"doctor drive {named}")
+        tool.status_is(f"{named}: status 1", 1)
+        tool.finds(f"{named}: perhaps a {is_there}", "refused", f"perhaps it is a {is_there}, not a {named}",
+                   f"-> servobus doctor drive {is_there}:1 --timeout 2000")
+        tool.is_equal(f"{named}: and nothing else", len(tool.findings()), 1)
+        again = tool.findings()[0].partition("-> servobus ")[2]
+        tool.run(again)
+        tool.check(f"{is_there}: and that is so", "perhaps it is" not in tool.last.out, tool.found())
+
+
 class Wheels(Device):
     """A ZLAC8015D as far as its registers are concerned: some of them are missing."""
 

@@ -4,11 +4,13 @@
 // servobus doctor: what keeps a drive from turning, or makes it turn otherwise than meant. It reads, and has no call
 // that writes.
 #include <cstdio>
+#include <utility>
 
 #include "../commands.hpp"
 #include "../doctor/device_file.hpp"
 #include "../doctor/examination.hpp"
 #include "../doctor/line_findings.hpp"
+#include "../doctor/other_drive.hpp"
 #include "../doctor/reading.hpp"
 #include "../os/interrupts.hpp"
 #include "../text/streams.hpp"
@@ -117,14 +119,19 @@ class consultation {
             if (interrupts::came()) return servobus::status{servobus::errc::port_lost};
             return on_.read(some, words);
         };
+        bool is_asked_who = false;
         for (const diagnosis::unread& u : diagnosis::read_into(held, rows, of_->facts().max_read, ask)) {
             if (interrupts::came()) return false;
+            const std::string what =
+                std::string{static_cast<const char*>(u.row->name)} + ": " + why_text(*of_, u.why, on_);
+            if (is_refusal(u.why) && !std::exchange(is_asked_who, true) &&
+                diagnosis::explain_other_drive(to_, on_, *of_, what))
+                return false;
             if (!is_refusal(u.why) || list == nullptr) {
                 diagnosis::explain_silence(to_, port_, *of_, u.why, on_);
                 return false;
             }
-            to_.unread(std::string{static_cast<const char*>(u.row->name)} + ": " + why_text(*of_, u.why, on_),
-                       decides(*list, u.row->address));
+            to_.unread(what, decides(*list, u.row->address));
         }
         return true;
     }

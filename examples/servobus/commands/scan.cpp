@@ -7,11 +7,9 @@
 
 #include <servobus/client/identification.hpp>
 #include <servobus/client/scan.hpp>
-#include <servobus/device/c630s/registers.hpp>
-#include <servobus/device/yako/closed_loop.hpp>
-#include <servobus/device/zlac8015d/registers.hpp>
 #include <servobus/modbus/diagnostics.hpp>
 
+#include "../identity.hpp"
 #include "../os/interrupts.hpp"
 #include "../session.hpp"
 #include "../text/progress.hpp"
@@ -36,17 +34,6 @@ std::vector<std::string> split(std::string_view text) {
     }
 }
 
-// Where a drive keeps its own address: it tells which drive it is, since no other has that there.
-struct identity {
-    const char* name;
-    u16 address;
-};
-constexpr identity identities[] = {
-    {"zlac8015d", servobus::zlac8015d::node_address.address},
-    {"yako", servobus::yako::actual_node_address.address},
-    {"c630s", servobus::c630s::node_address.address},
-};
-
 struct plan {
     std::vector<std::uint32_t> rates;
     std::vector<std::string> formats;
@@ -66,17 +53,9 @@ struct plan {
 const char* name_of(scanned_line& on, std::uint8_t node_address, const plan& p) {
     servobus::bus_gaps gaps = p.gaps;
     if (!p.has_quarantine) gaps.quarantine = servobus::milliseconds(300);
-    for (const identity& known : identities) {
-        const finding f = look_for(on, node_address, p.limits, known.address, gaps);
-        if (!f.has_word || f.word != node_address) continue;
-        if (known.name != std::string_view{"yako"}) return known.name;
-        // Only a closed loop has an encoder.
-        const finding encoder = look_for(on, node_address, p.limits,
-                                         servobus::yako::closed_loop::encoder_resolution.address, gaps);
-        if (encoder.has_word) return "yako-closed-loop";
-        return encoder.what == presence::present ? "yako-open-loop" : known.name;
-    }
-    return "unknown device";
+    const char* const name = name_of_drive(
+        node_address, [&](u16 address) { return look_for(on, node_address, p.limits, address, gaps); });
+    return name != nullptr ? name : "unknown device";
 }
 
 const char* name_of_object(std::uint8_t id) {

@@ -39,8 +39,9 @@ void report::unread(const std::string& what, bool is_needed) {
 }
 void report::differ(const std::string& what) { say("differs", what); }
 
-std::string report::command(const std::string& name, const std::string& rest) const {
-    return "servobus " + name + ' ' + port_ + ' ' + device_ + (rest.empty() ? "" : " " + rest) + options_;
+std::string report::command_for(const std::string& device, const std::string& name,
+                                const std::string& rest) const {
+    return "servobus " + name + ' ' + port_ + ' ' + device + (rest.empty() ? "" : " " + rest) + options_;
 }
 
 void report::finding(const check& c, const held_registers& held, const servobus::catalogue& map) {

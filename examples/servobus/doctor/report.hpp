@@ -32,7 +32,12 @@ class report {
         return options_.find(" --echo on") != options_.npos ? " --echo on" : "";
     }
     /// `servobus COMMAND PORT DEVICE REST`, with the options of the line.
-    std::string command(const std::string& name, const std::string& rest = "") const;
+    std::string command(const std::string& name, const std::string& rest = "") const {
+        return command_for(device_, name, rest);
+    }
+    /// The same for another device, `c630s:2`.
+    std::string command_for(const std::string& device, const std::string& name,
+                            const std::string& rest = "") const;
 
     /// Prints how many findings there are. Returns the exit status.
     int end(bool can_be_enabled);
