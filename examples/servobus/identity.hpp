@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Which of the known drives is at an address, by registers that only one of them has. `scan` names by it what it finds,
-// `doctor` the drive that is there in place of the one that it was told. Source: the drives' registers.
+// Names the known drive at an address, by registers that only one of them has. `scan` names what it finds, `doctor` the
+// drive that is there in place of the one on its command line.
 #pragma once
 
 #include <cstdint>
@@ -15,7 +15,7 @@
 
 namespace tool {
 
-/// Where a drive keeps its own address: no other drive has that there.
+/// The register in which a drive keeps its own address. No other drive has it there.
 struct identity {
     const char* name;
     std::uint16_t address;

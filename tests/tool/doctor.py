@@ -371,9 +371,9 @@ def several_devices(tool: Doctor):
     tool.status_is("no rate of all: status 1", 1)
     tool.out_has("a ZLAC8015D, a C630S and a stepper share a rate",
                  "line     zlac8015d:1: 115200 8N1 from the factory, 38400 8N1 on a line with the others: "
-                 "rs485_baud_rate=4, then save, then switch it off and on")
+                 "rs485_baud_rate=38400_Bd, then save, then switch it off and on")
     tool.out_has("and what the next one needs", "line     c630s:2: 57600 8N2 from the factory, 38400 8N1 on a line "
-                 "with the others: rs485_baud_rate=4 data_format=3")
+                 "with the others: rs485_baud_rate=38400_Bd data_format=8N1")
     tool.out_has("and each is asked", "no response, node 2 at 38400 8N1")
     tool.write("slow.csv", "# baud = 31250\naddress,name\n1,one\n")
     tool.run("doctor drive zlac8015d:1 slow.csv:2")
@@ -411,7 +411,7 @@ def device_of_a_file(tool: Doctor):
         tool.run(f"doctor {port} meter.csv --timeout 2000")
         tool.status_is("a device from a file: status 0", 0)
         tool.finds("a value outside its range", "matters", "beyond=10.1 A: outside 0.0 A .. 10.0 A",
-                   "servobus write", "meter.csv:1 beyond=0x0032")
+                   "servobus write", "meter.csv:1 beyond=5.0")
         tool.finds("and one that can only be read", "matters", "far=-536: outside -5 .. 5")
         tool.finds("a row that it does not give", "unread", "missing: refused, exception 2")
         tool.finds("a value that was changed", "differs", "changed=8: the default is 7")

@@ -20,6 +20,7 @@ namespace {
 
 using diagnosis::check_list;
 using diagnosis::held_registers;
+using diagnosis::is_refusal;
 
 // The options of the line as the command line has them, for the commands that findings name.
 std::string options_of(const arguments& asked) {
@@ -31,17 +32,12 @@ std::string options_of(const arguments& asked) {
     return asked.on_or_off("echo").value_or(false) ? all + " --echo on" : all;
 }
 
-bool is_refusal(const servobus::status& why) {
-    return why.error() == servobus::errc::exception || why.error() == servobus::errc::unexpected_value;
-}
-
 // One device on the line.
 class consultation {
   public:
     consultation(const arguments& asked, const target& of, unsigned devices, unsigned period_ms)
-        : asked_{&asked}, of_{&of}, port_{asked.words()[0]},
-          to_{port_, of.kind->word() + ':' + std::to_string(of.node), options_of(asked)}, devices_{devices},
-          period_ms_{period_ms} {}
+        : asked_{&asked}, of_{&of}, port_{asked.words()[0]}, to_{port_, of.word(), options_of(asked)},
+          devices_{devices}, period_ms_{period_ms} {}
 
     session& line() { return on_; }
 
@@ -63,7 +59,7 @@ class consultation {
         }();
         if (!read(held, first)) return end();
         if (e.must_ask != nullptr && e.must_ask(held)) {
-            note("warning: " + of_->kind->word() + ':' + std::to_string(of_->node) +
+            note("warning: " + of_->word() +
                  " is enabled, and each request feeds its watchdog: the wheels may run on though their "
                  "controller is "
                  "dead");

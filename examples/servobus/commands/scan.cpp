@@ -188,7 +188,7 @@ int scan_at(const char* path, std::uint32_t baud, const std::string& format, pla
             return complain(failed, setting + ": interrupted at node " + std::to_string(node_address));
         const auto node = static_cast<std::uint8_t>(node_address);
         const finding f = look_for(on, node, p.limits, 0, p.gaps);
-        // At another setting the request may come back.
+        // The request may come back at another setting.
         if (f.why.error() == servobus::errc::no_echo && node == p.first && p.has_several()) {
             shown.end();
             note(setting + ": " + text(f.why.error()));

@@ -4,6 +4,7 @@
 
 #include "../os/interrupts.hpp"
 #include "../parameters.hpp"
+#include "../text/typed_value.hpp"
 #include "reading.hpp"
 
 namespace tool::diagnosis {
@@ -11,14 +12,6 @@ namespace {
 
 std::string range_text(const servobus::entry& e) {
     return number_text(e, e.limits.low) + " .. " + number_text(e, e.limits.high);
-}
-
-// The default, as VALUE takes a register's content.
-std::string content_of(const servobus::entry& e) {
-    std::string text;
-    for (const u16 word : words_of(e, e.initial))
-        text += text.empty() ? hex_of(word) : hex_of(word).substr(2);
-    return text;
 }
 
 void judge_value(report& to, const servobus::entry& e, std::int64_t number, const std::string& command) {
@@ -46,9 +39,7 @@ servobus::status judge_rows(report& to, session& on, const target& of) {
             return on.read(some, words, t);
         };
         for (const diagnosis::unread& u : read_into(held, rows, of.facts().max_read, read)) {
-            const bool is_refusal = u.why.error() == servobus::errc::exception ||
-                                    u.why.error() == servobus::errc::unexpected_value;
-            if (!is_refusal) return u.why;
+            if (!is_refusal(u.why)) return u.why;
             to.unread(std::string{static_cast<const char*>(u.row->name)} + ": " + why_text(of, u.why, on),
                       false);
         }
@@ -57,7 +48,9 @@ servobus::status judge_rows(report& to, session& on, const target& of) {
             std::vector<u16> words;
             for (std::size_t i = 0; i < e->words(); ++i)
                 words.push_back(held.word(static_cast<u16>(e->address + i)));
-            const std::string back = std::string{static_cast<const char*>(e->name)} + '=' + content_of(*e);
+            const std::string back = e->initial == servobus::no_default
+                                         ? ""
+                                         : typed_assignment(choose(*e, t), words_of(*e, e->initial));
             judge_value(to, *e, number_of(*e, words), to.command("write", back));
         }
     }
