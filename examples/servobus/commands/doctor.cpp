@@ -36,7 +36,8 @@ std::string options_of(const arguments& asked) {
 class consultation {
   public:
     consultation(const arguments& asked, const target& of, unsigned devices, unsigned period_ms)
-        : asked_{&asked}, of_{&of}, port_{asked.words()[0]}, to_{port_, of.word(), options_of(asked)},
+        : asked_{&asked}, of_{&of}, port_{asked.words()[0]}, to_{port_, of.word(), options_of(asked),
+                                                                 asked.has("long")},
           devices_{devices}, period_ms_{period_ms} {}
 
     session& line() { return on_; }
