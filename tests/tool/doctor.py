@@ -156,6 +156,26 @@ def listed_in_full(tool: Doctor):
         tool.out_has("one less once it is written", f"{int(named[1]) - 1} registers differ")
 
 
+# Findings of a drive from its carton: the register in front, and why it would surprise its owner. The simulated steppers
+# have no current, since the manual states none from the factory.
+FACTORY = {
+    "zlac8015d": [],
+    "yako-closed-loop": [("over_travel_stop_mode", "so from the factory"), ("max_current", "from the factory")],
+    "yako-open-loop": [("over_travel_stop_mode", "so from the factory"), ("max_current", "from the factory")],
+    "c630s": [("virtual_inputs_enable", "not set up"), ("eeprom_update", "so from the factory")],
+}
+
+
+@scene(*[(device,) for device in FACTORY])
+def from_the_carton(tool: Doctor, device: str):
+    with tool.simulated(device):
+        tool.run(f"doctor drive {device}")
+        found = tool.findings()
+        tool.check(f"{device}: what surprises", len(found) == len(FACTORY[device]) and
+                   all(f" {register}=" in line and why in line for line, (register, why) in zip(found, FACTORY[device])),
+                   tool.found())
+
+
 @scene(("zlac8015d", "zlac8015d"), ("yako", "yako-closed-loop"), ("c630s", "c630s"))
 def named_commands(tool: Doctor, table: str, device: str):
     """Each command that a table of checks names is one that the tool takes; a drive may refuse it in another state."""

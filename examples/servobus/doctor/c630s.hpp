@@ -100,7 +100,9 @@ inline bool is_none_of_two(const held_registers& r, const check& c) { return r.w
 inline constexpr u16 outputs[] = {c630s::do1_function.address, c630s::do2_function.address,
                                   c630s::do3_function.address, c630s::do4_function.address,
                                   c630s::do5_function.address, c630s::do6_function.address};
+// Matters once the drive is set up: before, no program enables it.
 inline bool has_no_wired_brake(const held_registers& r, const check&) {
+    if (!is_set_up(r)) return false;
     for (const u16 address : outputs) {
         if (r.word(address) == static_cast<u16>(c630s::output_function::brake)) return false;
     }
@@ -199,7 +201,7 @@ inline constexpr check table[] = {
      "terminals or an analogue input limit the torque: the motor may have none without them",
      {.write = "torque_limit_source=internal"}},
     {matters, {c630s::eeprom_update}, is_set,
-     "each write over the bus goes into the EEPROM, which frequent writes destroy", {.act = "once all that is to be kept is written", .write = "eeprom_update=off"}},
+     "each write over the bus goes into the EEPROM, which frequent writes destroy; so from the factory", {.act = "once all that is to be kept is written", .write = "eeprom_update=off"}},
     {matters, {c630s::response_delay}, is_slow_to_respond,
      "the drive waits so long before each response, of the time that one may take", {.write = "response_delay=1"}},
     {matters, {c630s::pulses_per_revolution, c630s::gear_1_numerator, c630s::gear_1_denominator}, has_unused_gear,

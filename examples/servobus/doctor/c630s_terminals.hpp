@@ -83,9 +83,12 @@ inline std::vector<new_value> inactive(const held_registers& r, const check& c) 
     return {{t.logic(), static_cast<u16>(other)}};
 }
 
+// The wired servo-on that matters: one that is active, or that is not where the factory has it. The factory's, on DI1, is
+// part of what a set-up changes.
 inline terminal wired_servo_on(const held_registers& r) {
     for (const terminal& t : terminals(r)) {
-        if (!t.is_virtual && t.has(r, input_function::servo_on)) return t;
+        const bool is_factory = t.number == 1;
+        if (!t.is_virtual && t.has(r, input_function::servo_on) && (is_active(r, t) || !is_factory)) return t;
     }
     return {};
 }

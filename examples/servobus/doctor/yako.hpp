@@ -103,7 +103,7 @@ struct input_rule {
 inline constexpr mend open_it {.act = "open the input; or, if nothing is wired to it", .compose = without_function};
 inline constexpr mend leave_it {.act = "move away from it; or, if its contact opens there", .compose = other_polarity};
 inline constexpr const char* no_current =
-    "the motor gets no current and does not turn";
+    "the motor gets no current and does not turn; the manual states no value from the factory";
 inline constexpr const char* runs_at_once =
     "the input is active: the motor runs as soon as it stands and is enabled; an enable is refused if it starts "
     "before, or runs into a limit";
@@ -166,7 +166,7 @@ inline constexpr check both[] = {
      {.act = "write positive_software_limit above negative_software_limit, in pulses; until then",
       .write = "software_limits=disabled"}},
     {matters, {yako::over_travel_stop_mode}, coasts_at_a_limit,
-     "at a limit the motor is released and coasts, and a load that hangs falls",
+     "at a limit the motor is released and coasts, and a load that hangs falls; so from the factory",
      {.write = "over_travel_stop_mode=emergency_stop"}},
     {matters, {yako::base_current}, is_zero,
      "the motor has no base current: it may have no torque", {.write = "base_current=40"}},

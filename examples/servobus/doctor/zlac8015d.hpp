@@ -104,7 +104,7 @@ inline bool is_drive_hot(const held_registers& r, const check& c) {
 // clang-format off
 inline constexpr const char* fault_refuses   = "the drive is not enabled while a wheel has a fault";
 inline constexpr const char* x0_refuses =
-    "an emergency stop is active, and the drive ignores an enable";
+    "an emergency stop is active, and the drive ignores an enable; X0 has this function from the factory";
 inline constexpr const char* x1_refuses      = "an emergency stop is active, and the drive ignores an enable";
 inline constexpr const char* unlike =
     "the wheels are unlike: the robot turns where it should run straight, or one wheel stops first";

@@ -261,6 +261,23 @@ TEST_CASE("the commands that doctor names mend its findings about a YAKO stepper
     doctored::expect_all_mended(open_list, mended);
 }
 
+// The simulator's current is 0, since the manual states none from the factory.
+TEST_CASE("doctor says of a YAKO stepper from the factory what would surprise its owner") {
+    const auto whys = [](auto b, const auto& list, const auto& map) {
+        std::string all;
+        for (const doctored::check* c : tool::diagnosis::find(list, doctored::read_of(b->model, list, map)))
+            all += doctored::first_of(*c, map) + ": " + c->why + '\n';
+        return all;
+    };
+    const std::string expected =
+        "over_travel_stop_mode: at a limit the motor is released and coasts, and a load that hangs falls; so "
+        "from the factory\n"
+        "max_current: the motor gets no current and does not turn; the manual states no value from the "
+        "factory\n";
+    CHECK(whys(make<closed_bench>(), closed_list, closed_map) == expected);
+    CHECK(whys(make<open_bench>(), open_list, open_map) == expected);
+}
+
 TEST_CASE("doctor warns of a YAKO stepper whose input may start it while it is taken over") {
     const auto b = make<closed_bench>();
     REQUIRE(jog(*b));
