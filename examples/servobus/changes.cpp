@@ -32,10 +32,6 @@ bool is_stored(const change& c) { return has(c.row->flags, flag::saved_on_write)
 
 std::string name_of(const servobus::entry& e) { return std::string{e.name}; }
 
-std::string counted(std::size_t n, const char* thing) {
-    return std::to_string(n) + ' ' + thing + (n == 1 ? "" : "s");
-}
-
 int refuse_moving(const device& of, const char* verb) {
     if (of.at_rest != nullptr) return done;
     const std::string refused = of.word() + ": " + verb + " is refused, since ";

@@ -27,8 +27,6 @@ std::string name_of(const servobus::entry& e);
 int refuse_moving(const device& of, const char* verb);
 /// True for the address, the rate and the format of a drive: as these are written, the drive may be gone.
 bool is_of_line(const device& of, const servobus::entry& e);
-/// `1 write`, `2 writes`.
-std::string counted(std::size_t n, const char* thing);
 
 /// How a command changes parameters.
 struct change_rules {

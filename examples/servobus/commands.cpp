@@ -101,6 +101,8 @@ constexpr option doctor_options[] = {
     {"period", "MS",
      "how often a program is to send a setpoint and read feedback of each DEVICE: whether the line allows "
      "it"},
+    {"long", "",
+     "a line for each register that differs from what it has to hold, where a finding says how many"},
     {"yes", "", "does not ask; without it standard input must say read, if a zlac8015d is enabled"},
 };
 

@@ -114,6 +114,16 @@ device_word split_device(std::string_view text) {
     return {text.substr(0, colon), rest};
 }
 
+asked_row first_readable(const device& of) {
+    if (of.node_register != 0) return {of.map->find(of.node_register)};
+    for (const servobus::table t : all_tables) {
+        for (const servobus::entry& e : of.rows_of(t)) {
+            if (e.rights != servobus::access::wo) return {&e, t};
+        }
+    }
+    return {};
+}
+
 std::string device::display_name(u16 address) const {
     const servobus::entry* e = map->find(address);
     return (e != nullptr ? std::string{e->name} : std::string{"register"}) + " (" + hex_word(address) + ")";

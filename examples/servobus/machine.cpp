@@ -14,17 +14,11 @@ namespace {
 
 constexpr std::size_t largest_machine_file = 1'000'000; // bytes of a machine file
 
-// A register that every section can be asked for.
-u16 asked_register(const machine_section& wanted) {
-    const std::span<const servobus::entry> rows = wanted.kind->map->entries;
-    if (wanted.kind->node_register != 0) return wanted.kind->node_register;
-    return wanted.lines.empty() ? rows.front().address : wanted.lines.front().row->address;
-}
-
 bool responds(session& on, const machine_section& wanted) {
-    const servobus::entry* const row = wanted.kind->map->find(asked_register(wanted));
-    std::vector<u16> words(row->words());
-    const servobus::errc error = on.read(choose(*row), words).error();
+    const asked_row first = first_readable(*wanted.kind);
+    if (first.row == nullptr) return false;
+    std::vector<u16> words(first.row->words());
+    const servobus::errc error = on.read(choose(*first.row, first.in), words).error();
     return error == servobus::errc::ok || error == servobus::errc::exception;
 }
 

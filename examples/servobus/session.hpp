@@ -38,6 +38,8 @@ struct target {
     bool has_node = false;      ///< the command line names it
 
     bool is_peer() const { return node == servobus::modbus::peer_address; }
+    /// `c630s:2`, as the command line has it; for one with a map.
+    std::string word() const { return kind->word() + ':' + std::to_string(node); }
 
     const servobus::profile& facts() const { return kind != nullptr ? kind->facts() : any_device::facts; }
 };

@@ -39,6 +39,8 @@ void note(const std::string& message);
 std::size_t note_count();
 
 std::string hex_word(u16 word);
+/// `1 write`, `2 writes`.
+std::string counted(std::size_t n, const char* thing);
 /// A whole number, decimal or 0x…; nothing else may stand around it.
 std::optional<std::int64_t> parse_integer(std::string_view text);
 /// An address as programs or manuals write it: 0x2088, 8328, 2088h.
@@ -182,6 +184,14 @@ const device* find_device(std::string_view word);
 const device* find_device(std::string_view word, std::string& why);
 /// As above, but null without a reason.
 const device* find_device_quietly(std::string_view word);
+
+/// A row to ask whether a device responds; null if none can be read.
+struct asked_row {
+    const servobus::entry* row = nullptr;
+    servobus::table in = servobus::table::holding_registers;
+};
+/// The register of its address, else the first row that can be read.
+asked_row first_readable(const device& of);
 
 /// DEVICE[:NODE] in its parts. The colon of `C:/meter.csv` is none before a node.
 struct device_word {

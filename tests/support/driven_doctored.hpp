@@ -50,6 +50,7 @@ template <class Model> struct odd : Model {
             payload.push_back(static_cast<std::uint8_t>(word >> 8));
             payload.push_back(static_cast<std::uint8_t>(word & 0xFF));
         }
+        for (std::size_t i = 0; i < words.size(); ++i) forced.erase(static_cast<u16>(address + i));
         return Model::write(address, servobus::words_view{servobus::bytes{payload}}) == 0;
     }
 };

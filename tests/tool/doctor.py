@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: The servobus authors
 # SPDX-License-Identifier: BSL-1.0
-"""doctor: its findings in the real tool, the commands that it names, and what it says of the port and the line.
+"""doctor: what it says of the port, the line, and the devices on it; when it asks, and how it ends.
 
 Which states of a drive refuse an enable is tested against the facades, in tests/run/tool/doctor_*.cpp.
 """
@@ -15,23 +15,13 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
 from any_device import Device, Gateway, on_terminal
-from programs import Tool, lines_of, play_tool, scene, until
-from tapped_line import TappedLine
+from doctor_runs import Doctor
+from programs import lines_of, play_tool, scene, until
 from terminal import Terminal
 
 ROOT = Path(__file__).resolve().parents[2]
 PAGE = (ROOT / "examples/servobus/README.md").read_text("utf-8")
 IS_WINE = bool(os.environ.get("ON_WINE"))
-
-
-class Doctor(Tool):
-    def findings(self) -> list[str]:
-        return [line for line in self.last.lines if re.match("(refused|matters|unread|differs) ", line)]
-
-    def finds(self, name: str, *parts: str):
-        """A finding of the last run has all these parts."""
-        is_there = any(all(part in line for part in parts) for line in self.findings())
-        self.check(name, is_there, f"expected {parts}\n{self.found()}")
 
 
 def plain(text: str) -> list[str]:
@@ -52,99 +42,6 @@ def as_the_page_shows(tool: Doctor):
             wanted = plain(re.sub("(?m)^    ", "", output))
             # The option that only tests give stands in the commands.
             tool.is_equal(f"the page's {command}", plain(tool.last.out.replace(" --timeout 2000", "")), wanted)
-
-
-# What a write brings about, the register in front of the finding, and the status.
-FOUND = {
-    "zlac8015d": [
-        ("input_polarity=x0", "x0_function", 1), ("input_polarity=x1 x1_function=9", "x1_function", 1),
-        ("speed_resolution=10", "speed_resolution", 0), ("host_timeout=20", "host_timeout", 0),
-        ("host_timeout=30000", "host_timeout", 0), ("parking_mode=on", "parking_mode", 0),
-        ("right_encoder_lines=4096", "left_encoder_lines", 0),
-        ("left_acceleration_time=100", "left_acceleration_time", 0),
-        ("left_target_speed=20", "left_target_speed", 0), ("right_target_torque=500", "right_target_torque", 0),
-        ("left_brake=code_1", "left_brake", 0), ("shaft_at_power_on=locked", "shaft_at_power_on", 0),
-        ("mode_of_operation=velocity control_word=enable", "status_word", 0),
-    ],
-    "yako-closed-loop": [
-        ("pair_word_order=low_first", "pair_word_order", 0), ("speed_resolution=1", "speed_resolution", 0),
-        ("x3_function=positive_limit", "x3_function", 0),
-        ("input_polarity=0x0001 x0_function=motor_free", "x0_function", 1),
-        ("input_polarity=0x0008 x3_function=stop", "x3_function", 0), ("holding_current=0", "holding_current", 0),
-        ("closed_loop_max_current=0", "closed_loop_max_current", 0), ("base_current=0", "base_current", 0),
-        ("jog_speed=60 motion_command=2", "status_word", 0), ("software_limits=1", "software_limits", 0),
-    ],
-    "yako-open-loop": [
-        ("input_polarity=0x0040 x6_function=motor_free", "x6_function", 1), ("holding_current=0", "holding_current", 0),
-        ("open_loop_max_current=0", "open_loop_max_current", 0),
-    ],
-    "c630s": [
-        ("max_speed=0", "max_speed", 1), ("emergency_stop=1", "emergency_stop", 1),
-        ("terminal_forcing=1", "terminal_forcing", 1), ("response_delay=60", "response_delay", 1),
-        ("P0C-10=1", "virtual_inputs_at_power_on", 1), ("P03-00=1", "power_on_functions_1_to_16", 1),
-    ],
-}
-# What no command mends: it needs a person.
-BY_HAND = ("software_limits", "left_encoder_lines", "left_acceleration_time")
-
-
-@scene(*[(device,) for device in FOUND])
-def found_and_mended(tool: Doctor, device: str):
-    """Each finding by the register in front of it; its command is one that the tool accepts, and mends it."""
-    usual = 1 if device == "c630s" else 0
-    with tool.simulated(device):
-        for write, register, status in FOUND[device]:
-            tool.run(f"write drive {device} {write} --yes")
-            tool.status_is(f"{device} {write}: is written", 0)
-            tool.run(f"doctor drive {device} --yes")
-            tool.status_is(f"{device} {write}: status {status}", status)
-            word = "refused" if status > usual else "matters"
-            found = [line for line in tool.findings() if re.match(rf"{word} +{register}=", line)]
-            tool.check(f"{device} {write}: {word} {register}", found, tool.found())
-            commands = [line.partition("-> ")[2] for line in found]
-            commands = [re.search(r"servobus (write .*)", text) for text in commands]
-            if register in BY_HAND or not commands or commands[0] is None:
-                tool.check(f"{device} {write}: a person mends it", register in BY_HAND, found)
-                mended = {"left_encoder_lines": "right_encoder_lines=1024", "left_acceleration_time": "left_acceleration_time=500",
-                          "software_limits": "software_limits=0"}[register]
-                tool.run(f"write drive {device} {mended} --yes")
-                continue
-            tool.run(commands[0][1] + " --yes")
-            tool.status_is(f"{device} {write}: its command is done", 0)
-            until(lambda: not [line for line in tool.run(f"doctor drive {device} --yes").lines
-                               if re.match(rf"{word} +{register}=", line)])
-            tool.check(f"{device} {write}: and mends it",
-                       not [line for line in tool.findings() if re.match(rf"{word} +{register}=", line)], tool.found())
-            tool.status_is(f"{device} {write}: as before", usual)
-
-
-@scene(("zlac8015d", "zlac8015d"), ("yako", "yako-closed-loop"), ("c630s", "c630s"))
-def named_commands(tool: Doctor, table: str, device: str):
-    """Each command that a table of checks names is one that the tool takes; a drive may refuse it in another state."""
-    source = (ROOT / f"examples/servobus/doctor/{table}.hpp").read_text("utf-8")
-    writes = sorted(set(re.findall(r'\.write = "([^"]+)"', source)))
-    tool.check(f"{table}: there are some", len(writes) > 5, writes)
-    with tool.simulated(device):
-        for write in writes:
-            tool.run(f"write drive {device} {write} --yes")
-            tool.check(f"{table}: {write}", tool.last.status in (0, 1) and "unknown" not in tool.last.err, tool.found())
-
-
-@scene(*[(device,) for device in FOUND])
-def only_reads(tool: Doctor, device: str):
-    """Every request of doctor is a read: a listener on the line hears no other."""
-    with tool.simulated(device):
-        tap = TappedLine.relay(tool.folder / "tap", tool.folder / "client", tool.folder / "drive")
-        listener = tool.start(f"listen tap {device} --log capture --timeout 2000")
-        until(lambda: tool.exists("capture"))
-        tool.run(f"doctor client {device}")
-        frames = lambda: [line for line in tool.lines("capture") if line[:2] in ("> ", "< ")]
-        until(lambda: sum(len(bytes.fromhex(line[1:])) for line in frames()) == tap.carried)
-        tool.ends(listener, signal.SIGINT)
-        requests = [bytes.fromhex(line[1:]) for line in frames() if line[0] == ">"]
-        tool.check(f"{device}: doctor asks", len(requests) > 15, len(requests))
-        tool.is_equal(f"{device}: and only reads", {request[1] for request in requests}, {3})
-        tap.close()
 
 
 @scene()
@@ -191,7 +88,7 @@ def local_echo(tool: Doctor):
         tool.finds("an adapter that echoes: what came is its own echo", "refused", "the request's own echo",
                    "-> servobus doctor drive zlac8015d:1 --echo on --timeout 2000")
         # A busy machine may return an echo too late for one of the reads.
-        until(lambda: tool.run("doctor drive zlac8015d:1 --echo on").status == 0)
+        until(lambda: tool.run("doctor drive zlac8015d:1 --echo on").status == 0 and "30 of 30 reads" in tool.last.out)
         tool.status_is("and with --echo on status 0", 0)
         tool.out_has("and its responses have a time", "30 of 30 reads")
     with tool.simulated("zlac8015d"):
@@ -240,6 +137,23 @@ def another_device(tool: Doctor):
     tool.status_is("a device that refuses: status 1", 1)
     tool.finds("a device that refuses is perhaps another one", "refused", "exception 2",
                "another device than zlac8015d", f"servobus scan {port}")
+
+
+@scene(
+    ("yako-closed-loop", "yako-open-loop"), ("yako-open-loop", "yako-closed-loop"), ("zlac8015d", "c630s"),
+    ("c630s", "zlac8015d"), ("yako-open-loop", "c630s"), ("c630s", "yako-closed-loop"), ("zlac8015d", "yako-open-loop"),
+)
+def another_drive(tool: Doctor, is_there: str, named: str):
+    """It has the name of another drive: doctor says which it perhaps is, and what to ask instead."""
+    with tool.simulated(is_there):
+        tool.run(f"doctor drive {named}")
+        tool.status_is(f"{named}: status 1", 1)
+        tool.finds(f"{named}: perhaps a {is_there}", "refused", f"perhaps it is a {is_there}, not a {named}",
+                   f"-> servobus doctor drive {is_there}:1 --timeout 2000")
+        tool.is_equal(f"{named}: and nothing else", len(tool.findings()), 1)
+        again = tool.findings()[0].partition("-> servobus ")[2]
+        tool.run(again)
+        tool.check(f"{is_there}: and that is so", "perhaps it is" not in tool.last.out, tool.found())
 
 
 class Wheels(Device):
@@ -354,9 +268,9 @@ def several_devices(tool: Doctor):
     tool.status_is("no rate of all: status 1", 1)
     tool.out_has("a ZLAC8015D, a C630S and a stepper share a rate",
                  "line     zlac8015d:1: 115200 8N1 from the factory, 38400 8N1 on a line with the others: "
-                 "rs485_baud_rate=4, then save, then switch it off and on")
+                 "rs485_baud_rate=38400_Bd, then save, then switch it off and on")
     tool.out_has("and what the next one needs", "line     c630s:2: 57600 8N2 from the factory, 38400 8N1 on a line "
-                 "with the others: rs485_baud_rate=4 data_format=3")
+                 "with the others: rs485_baud_rate=38400_Bd data_format=8N1")
     tool.out_has("and each is asked", "no response, node 2 at 38400 8N1")
     tool.write("slow.csv", "# baud = 31250\naddress,name\n1,one\n")
     tool.run("doctor drive zlac8015d:1 slow.csv:2")
@@ -394,7 +308,7 @@ def device_of_a_file(tool: Doctor):
         tool.run(f"doctor {port} meter.csv --timeout 2000")
         tool.status_is("a device from a file: status 0", 0)
         tool.finds("a value outside its range", "matters", "beyond=10.1 A: outside 0.0 A .. 10.0 A",
-                   "servobus write", "meter.csv:1 beyond=0x0032")
+                   "servobus write", "meter.csv:1 beyond=5.0")
         tool.finds("and one that can only be read", "matters", "far=-536: outside -5 .. 5")
         tool.finds("a row that it does not give", "unread", "missing: refused, exception 2")
         tool.finds("a value that was changed", "differs", "changed=8: the default is 7")

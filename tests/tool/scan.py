@@ -140,4 +140,25 @@ def local_echo(tool: Tool):
         tool.err_has("G3: what came may be an echo", "unknown, what came may be the request's own echo")
 
 
+@scene()
+def echo_at_one_rate(tool: Tool):
+    """An adapter whose echo comes at one of the rates alone: the others are scanned too."""
+    asked = "scan drive --format 8N1 --nodes 2-3 --echo on"
+    with tool.simulated("zlac8015d --node 2 --baud 57600 --strict-rate on --echo on"):
+        tool.run(f"{asked} --baud 9600,57600,115200")
+        tool.status_is("scan: a rate without an echo is not the end", 0)
+        tool.out_is("scan: the drive is found at its rate", "57600 8N1 2 zlac8015d")
+        tool.err_has("scan: the rate without an echo is named", "servobus: 9600 8N1: the request did not come back")
+        tool.err_has("scan: and the one after it", "servobus: 115200 8N1: the request did not come back")
+        tool.run("scan drive --format 8N1 --nodes 3 --echo on --baud 9600,57600")
+        tool.status_is("scan: an echo and no device: status 1", 1)
+        tool.err_has("scan: and it says so", "no device responds")
+        tool.run(f"{asked} --baud 9600,115200")
+        tool.status_is("scan: without an echo at any rate: status 1", 1)
+        tool.err_has("scan: and it says so", "at any rate and format: try --echo off")
+        tool.run(f"{asked} --baud 9600")
+        tool.status_is("scan: without an echo at the only rate: status 1", 1)
+        tool.err_has("scan: and it says where", "9600 8N1 node 2: ")
+
+
 play_tool()

@@ -4,11 +4,13 @@
 // servobus doctor: what keeps a drive from turning, or makes it turn otherwise than meant. It reads, and has no call
 // that writes.
 #include <cstdio>
+#include <utility>
 
 #include "../commands.hpp"
 #include "../doctor/device_file.hpp"
 #include "../doctor/examination.hpp"
 #include "../doctor/line_findings.hpp"
+#include "../doctor/other_drive.hpp"
 #include "../doctor/reading.hpp"
 #include "../os/interrupts.hpp"
 #include "../text/streams.hpp"
@@ -18,6 +20,7 @@ namespace {
 
 using diagnosis::check_list;
 using diagnosis::held_registers;
+using diagnosis::is_refusal;
 
 // The options of the line as the command line has them, for the commands that findings name.
 std::string options_of(const arguments& asked) {
@@ -29,17 +32,13 @@ std::string options_of(const arguments& asked) {
     return asked.on_or_off("echo").value_or(false) ? all + " --echo on" : all;
 }
 
-bool is_refusal(const servobus::status& why) {
-    return why.error() == servobus::errc::exception || why.error() == servobus::errc::unexpected_value;
-}
-
 // One device on the line.
 class consultation {
   public:
     consultation(const arguments& asked, const target& of, unsigned devices, unsigned period_ms)
-        : asked_{&asked}, of_{&of}, port_{asked.words()[0]},
-          to_{port_, of.kind->word() + ':' + std::to_string(of.node), options_of(asked)}, devices_{devices},
-          period_ms_{period_ms} {}
+        : asked_{&asked}, of_{&of}, port_{asked.words()[0]}, to_{port_, of.word(), options_of(asked),
+                                                                 asked.has("long")},
+          devices_{devices}, period_ms_{period_ms} {}
 
     session& line() { return on_; }
 
@@ -61,7 +60,7 @@ class consultation {
         }();
         if (!read(held, first)) return end();
         if (e.must_ask != nullptr && e.must_ask(held)) {
-            note("warning: " + of_->kind->word() + ':' + std::to_string(of_->node) +
+            note("warning: " + of_->word() +
                  " is enabled, and each request feeds its watchdog: the wheels may run on though their "
                  "controller is "
                  "dead");
@@ -79,7 +78,7 @@ class consultation {
     }
 
     int examine_any() {
-        const diagnosis::first_row first = diagnosis::first_readable(*of_->kind);
+        const asked_row first = first_readable(*of_->kind);
         if (first.row == nullptr) return complain(usage, of_->kind->word() + " has no row that can be read");
         const servobus::status why = on_.probe(*first.row, first.in);
         if (!why.has_response()) {
@@ -117,14 +116,19 @@ class consultation {
             if (interrupts::came()) return servobus::status{servobus::errc::port_lost};
             return on_.read(some, words);
         };
+        bool is_asked_who = false;
         for (const diagnosis::unread& u : diagnosis::read_into(held, rows, of_->facts().max_read, ask)) {
             if (interrupts::came()) return false;
+            const std::string what =
+                std::string{static_cast<const char*>(u.row->name)} + ": " + why_text(*of_, u.why, on_);
+            if (is_refusal(u.why) && !std::exchange(is_asked_who, true) &&
+                diagnosis::explain_other_drive(to_, on_, *of_, what))
+                return false;
             if (!is_refusal(u.why) || list == nullptr) {
                 diagnosis::explain_silence(to_, port_, *of_, u.why, on_);
                 return false;
             }
-            to_.unread(std::string{static_cast<const char*>(u.row->name)} + ": " + why_text(*of_, u.why, on_),
-                       decides(*list, u.row->address));
+            to_.unread(what, decides(*list, u.row->address));
         }
         return true;
     }

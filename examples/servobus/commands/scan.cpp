@@ -7,11 +7,9 @@
 
 #include <servobus/client/identification.hpp>
 #include <servobus/client/scan.hpp>
-#include <servobus/device/c630s/registers.hpp>
-#include <servobus/device/yako/closed_loop.hpp>
-#include <servobus/device/zlac8015d/registers.hpp>
 #include <servobus/modbus/diagnostics.hpp>
 
+#include "../identity.hpp"
 #include "../os/interrupts.hpp"
 #include "../session.hpp"
 #include "../text/progress.hpp"
@@ -36,17 +34,6 @@ std::vector<std::string> split(std::string_view text) {
     }
 }
 
-// Where a drive keeps its own address: it tells which drive it is, since no other has that there.
-struct identity {
-    const char* name;
-    u16 address;
-};
-constexpr identity identities[] = {
-    {"zlac8015d", servobus::zlac8015d::node_address.address},
-    {"yako", servobus::yako::actual_node_address.address},
-    {"c630s", servobus::c630s::node_address.address},
-};
-
 struct plan {
     std::vector<std::uint32_t> rates;
     std::vector<std::string> formats;
@@ -60,23 +47,17 @@ struct plan {
     bool identifies = false;
     bool names_settings = false; ///< the command line does: a simulator may insist on its rate
     bool has_setting = true;     ///< false: a gateway has it, or the port has no wire
+
+    bool has_several() const { return rates.size() * formats.size() > 1; }
 };
 
 // Several requests to one address: a late response to one of them must not be taken for that to the next.
 const char* name_of(scanned_line& on, std::uint8_t node_address, const plan& p) {
     servobus::bus_gaps gaps = p.gaps;
     if (!p.has_quarantine) gaps.quarantine = servobus::milliseconds(300);
-    for (const identity& known : identities) {
-        const finding f = look_for(on, node_address, p.limits, known.address, gaps);
-        if (!f.has_word || f.word != node_address) continue;
-        if (known.name != std::string_view{"yako"}) return known.name;
-        // Only a closed loop has an encoder.
-        const finding encoder = look_for(on, node_address, p.limits,
-                                         servobus::yako::closed_loop::encoder_resolution.address, gaps);
-        if (encoder.has_word) return "yako-closed-loop";
-        return encoder.what == presence::present ? "yako-open-loop" : known.name;
-    }
-    return "unknown device";
+    const char* const name = name_of_drive(
+        node_address, [&](u16 address) { return look_for(on, node_address, p.limits, address, gaps); });
+    return name != nullptr ? name : "unknown device";
 }
 
 const char* name_of_object(std::uint8_t id) {
@@ -175,8 +156,14 @@ std::optional<plan> plan_of(const arguments& asked) {
     return p;
 }
 
+struct scanned {
+    std::size_t found = 0;        ///< addresses that respond
+    std::size_t settings = 0;     ///< of the line
+    std::size_t without_echo = 0; ///< settings at which the first request did not come back
+};
+
 // One setting of the line. Returns `done` or an exit status after a complaint.
-int scan_at(const char* path, std::uint32_t baud, const std::string& format, plan& p, std::size_t& found) {
+int scan_at(const char* path, std::uint32_t baud, const std::string& format, plan& p, scanned& all) {
     std::size_t garbled = 0;
     any_port port;
     serial_settings settings;
@@ -185,7 +172,7 @@ int scan_at(const char* path, std::uint32_t baud, const std::string& format, pla
     settings.keeps_echo = p.echoes;
     if (const int status = port.open(path, settings); status != done) return status;
     port.keep_connected();
-    if (port.ignores_rate() && !p.names_settings && p.rates.size() * p.formats.size() > 1) {
+    if (port.ignores_rate() && !p.names_settings && p.has_several()) {
         note(std::string{path} + " is a pseudo-terminal, which has no rate and no format: scanning once");
         p.rates.resize(1);
         p.formats.resize(1);
@@ -194,12 +181,20 @@ int scan_at(const char* path, std::uint32_t baud, const std::string& format, pla
     const std::string setting = p.has_setting ? std::to_string(baud) + " " + format : "- -";
     scanned_line on{port, timing_on(path, baud, p.longest_pause)};
     on.echo().is_on = p.echoes;
+    ++all.settings;
     progress shown{setting, static_cast<std::size_t>(p.last - p.first) + 1};
     for (unsigned node_address = p.first; node_address <= p.last; ++node_address) {
         if (interrupts::came())
             return complain(failed, setting + ": interrupted at node " + std::to_string(node_address));
         const auto node = static_cast<std::uint8_t>(node_address);
         const finding f = look_for(on, node, p.limits, 0, p.gaps);
+        // The request may come back at another setting.
+        if (f.why.error() == servobus::errc::no_echo && node == p.first && p.has_several()) {
+            shown.end();
+            note(setting + ": " + text(f.why.error()));
+            ++all.without_echo;
+            return done;
+        }
         if (f.what == presence::failed) {
             shown.end();
             return complain(failed, setting + " node " + std::to_string(node_address) + ": " +
@@ -212,7 +207,7 @@ int scan_at(const char* path, std::uint32_t baud, const std::string& format, pla
             shown.end();
             std::printf("%s %u %s\n", setting.c_str(), node_address, who.c_str());
             if (!streams::flush()) return failed;
-            ++found;
+            ++all.found;
             garbled += f.what == presence::garbled ? 1u : 0u;
         }
         shown.at(node_address - p.first + 1u);
@@ -239,15 +234,19 @@ int scan(const arguments& asked) {
         if (!asked.has("timeout")) p->limits.response = p->limits.response + network_delay;
     }
     interrupts::arm();
-    std::size_t found = 0;
+    scanned all;
     // Where the port has no rate, `scan_at` leaves one pass.
     for (std::size_t rate = 0; rate < p->rates.size(); ++rate) {
         for (std::size_t format = 0; format < p->formats.size(); ++format) {
-            const int status = scan_at(path, p->rates[rate], std::string{p->formats[format]}, *p, found);
+            const int status = scan_at(path, p->rates[rate], std::string{p->formats[format]}, *p, all);
             if (status != done) return status;
         }
     }
-    return found != 0 ? done : complain(failed, "no device responds");
+    if (all.found != 0) return done;
+    if (all.without_echo == all.settings)
+        return complain(failed, std::string{text(servobus::errc::no_echo)} +
+                                    " at any rate and format: try --echo off");
+    return complain(failed, "no device responds");
 }
 
 } // namespace tool

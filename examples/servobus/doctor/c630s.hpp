@@ -36,30 +36,20 @@ inline constexpr std::array<u16, set_up_size> set_up_registers = all_of_set_up()
 inline bool is_other(const held_registers& r, u16 address) {
     return r.has(address) && c630s::detail::set_up_word(address, r.word(address)) != r.word(address);
 }
-// Lists the registers that differ, each once: two blocks share one.
-inline std::vector<u16> others(const held_registers& r) {
-    std::vector<u16> found;
+/// The registers that differ and what the set-up has there, each once: two blocks share one.
+inline std::vector<new_value> others(const held_registers& r) {
+    std::vector<new_value> found;
     for (const u16 address : set_up_registers) {
+        const new_value wanted{address, c630s::detail::set_up_word(address, r.word(address))};
         bool is_new = is_other(r, address);
-        for (const u16 before : found) is_new = is_new && before != address;
-        if (is_new) found.push_back(address);
+        for (const new_value& before : found) is_new = is_new && before != wanted;
+        if (is_new) found.push_back(wanted);
     }
     return found;
 }
 inline bool is_set_up(const held_registers& r) { return others(r).empty(); }
 inline bool is_not_set_up(const held_registers& r, const check&) { return !is_set_up(r); }
-inline std::string others_in_words(const held_registers& r, const check&) {
-    const std::vector<u16> all = others(r);
-    constexpr std::size_t most = 4;
-    std::string words =
-        std::to_string(all.size()) + (all.size() == 1 ? " register differs: " : " registers differ: ");
-    for (std::size_t i = 0; i < all.size() && i < most; ++i) {
-        const u16 held = r.word(all[i]);
-        words += (i == 0 ? "" : ", ") + parameter(all[i]) + " is " + std::to_string(held) +
-                 " and has to be " + std::to_string(c630s::detail::set_up_word(all[i], held));
-    }
-    return words + (all.size() > most ? ", ..." : "") + '.';
-}
+inline std::vector<new_value> other_registers(const held_registers& r, const check&) { return others(r); }
 
 // Alarms
 
@@ -110,7 +100,9 @@ inline bool is_none_of_two(const held_registers& r, const check& c) { return r.w
 inline constexpr u16 outputs[] = {c630s::do1_function.address, c630s::do2_function.address,
                                   c630s::do3_function.address, c630s::do4_function.address,
                                   c630s::do5_function.address, c630s::do6_function.address};
+// Matters once the drive is set up: before, no program enables it.
 inline bool has_no_wired_brake(const held_registers& r, const check&) {
+    if (!is_set_up(r)) return false;
     for (const u16 address : outputs) {
         if (r.word(address) == static_cast<u16>(c630s::output_function::brake)) return false;
     }
@@ -137,13 +129,16 @@ constexpr u16 as_word(input_function f) { return static_cast<u16>(f); }
 // clang-format off
 inline constexpr mend run_set_up {
     .act = "a program runs set_up{} once, as examples/servo does; then switch the drive off and on"};
-inline constexpr mend switch_on  {.act = "switch the drive off and on"};
+inline constexpr mend switch_on       {.act = "switch the drive off and on"};
+inline constexpr mend no_servo_on_bit {.compose = without_servo_on_bit};
+inline constexpr mend leave_it        {.act = "move away from it; or, if the input is wrongly active", .compose = inactive};
+inline constexpr mend release_stop    {.act = "release the stop; or, if the input is wrongly active", .compose = inactive};
 
 inline constexpr check table[] = {
     // Severity, registers, condition, why it matters, what mends it
     {refuses, {c630s::virtual_inputs_enable}, is_not_set_up,
      "the terminals are not set up: the bus reaches servo-on and the drive's state through virtual terminals only",
-     run_set_up, others_in_words},
+     run_set_up, nullptr, 0, nullptr, other_registers},
     {refuses, {c630s::selected_fault_record}, awaits_power,
      "a set-up has marked the drive: what it has kept works from the next power cycle on", switch_on},
     {refuses, {c630s::pair_word_order}, is_none_of_two,
@@ -158,33 +153,34 @@ inline constexpr check table[] = {
      "the brake", {.act = "find what switches the servo on; or give a DO the function BK"}},
 
     {matters, {c630s::recorded_alarm, c630s::selected_fault_record}, has_warning,
-     "the drive has a warning", {.write = "alarm_reset=execute"}, alarm_in_words},
+     "the drive has a warning", {.act = "mend the cause", .write = "alarm_reset=execute"}, alarm_in_words},
     {matters, {c630s::actual_speed}, is_turning,
      "the motor turns: another program or a terminal commands it",
      {.write = "target_speed=0 virtual_input_levels=0"}},
-    {matters, {c630s::virtual_input_levels}, enables_at_power_on,
-     "another program has switched the servo on", {.write = "virtual_input_levels=0"}},
+    {matters, {c630s::virtual_input_levels}, has_servo_on_bit,
+     "another program has switched the servo on", no_servo_on_bit},
     {matters, {c630s::di1_function}, has_wired_servo_on,
-     "a wired servo-on energises the motor, whatever the bus commands", {.compose = no_servo_on}, which_servo_on},
-    {matters, {c630s::virtual_inputs_at_power_on}, enables_at_power_on,
+     "a wired servo-on energises the motor, whatever the bus commands", {.compose = no_servo_on}, nullptr, 0,
+     servo_on_registers},
+    {matters, {c630s::virtual_inputs_at_power_on}, has_servo_on_bit,
      "virtual input 1, which is servo-on after a set-up, is active at power-on: the motor is energised then",
-     {.write = "virtual_inputs_at_power_on=0"}},
-    {matters, {c630s::power_on_functions_1_to_16}, enables_at_power_on,
-     "servo-on is active at power-on: the motor is energised then", {.write = "power_on_functions_1_to_16=0"}},
+     no_servo_on_bit},
+    {matters, {c630s::power_on_functions_1_to_16}, has_servo_on_bit,
+     "servo-on is active at power-on: the motor is energised then", no_servo_on_bit},
     {matters, {c630s::do6_function}, has_no_wired_brake,
      "no wired output has the function BK; an enable is refused if the drive shows its brake on a wired one only, or "
-     "as always released", {.act = "if an enable is not confirmed", .write = "P04-10=9"}},
+     "as always released", {.act = "if an enable is not confirmed", .write = "do6_function=brake"}},
     {matters, {c630s::virtual_inputs_enable}, has_doubled,
-     "two inputs have one function, which is Er.130", {.compose = free_one}, which_doubled},
+     "two inputs have one function, which is Er.130", {.compose = free_one}, nullptr, 0, doubled_registers},
     {matters, {c630s::input_conduction}, is_given,
      "the positive limit switch is active: the motor does not turn forward",
-     {.act = "move away from it; or check its wire and logic"}, nullptr, as_word(input_function::positive_overtravel)},
+     leave_it, which_is_active, as_word(input_function::positive_overtravel), active_registers},
     {matters, {c630s::input_conduction}, is_given,
      "the negative limit switch is active: the motor does not turn in reverse",
-     {.act = "move away from it; or check its wire and logic"}, nullptr, as_word(input_function::negative_overtravel)},
+     leave_it, which_is_active, as_word(input_function::negative_overtravel), active_registers},
     {matters, {c630s::input_conduction}, is_given,
      "the emergency stop is active: the motor is energised and stays where it is",
-     {.act = "release the stop; or check its wire and logic"}, nullptr, as_word(input_function::emergency_stop)},
+     release_stop, which_is_active, as_word(input_function::emergency_stop), active_registers},
     {matters, {c630s::emergency_stop}, is_set,
      "an emergency stop by the bus lasts: the motor obeys no other command", {.write = "emergency_stop=none"}},
     {matters, {c630s::terminal_forcing}, is_set,
@@ -196,14 +192,16 @@ inline constexpr check table[] = {
     {matters, {c630s::max_reverse_speed}, is_zero,
      "the motor does not turn in reverse, since this limits its speed", {.write = "max_reverse_speed=5000"}},
     {matters, {c630s::positive_internal_torque_limit}, is_zero,
-     "the motor has no torque forward", {.act = "set it for the machine"}},
+     "the motor has no torque forward",
+     {.act = "set it for the machine; from the factory", .write = "positive_internal_torque_limit=300.0"}},
     {matters, {c630s::negative_internal_torque_limit}, is_zero,
-     "the motor has no torque in reverse", {.act = "set it for the machine"}},
+     "the motor has no torque in reverse",
+     {.act = "set it for the machine; from the factory", .write = "negative_internal_torque_limit=300.0"}},
     {matters, {c630s::torque_limit_source}, is_set,
      "terminals or an analogue input limit the torque: the motor may have none without them",
      {.write = "torque_limit_source=internal"}},
     {matters, {c630s::eeprom_update}, is_set,
-     "each write over the bus goes into the EEPROM, which frequent writes destroy", {.act = "once all that is to be kept is written", .write = "eeprom_update=off"}},
+     "each write over the bus goes into the EEPROM, which frequent writes destroy; so from the factory", {.act = "once all that is to be kept is written", .write = "eeprom_update=off"}},
     {matters, {c630s::response_delay}, is_slow_to_respond,
      "the drive waits so long before each response, of the time that one may take", {.write = "response_delay=1"}},
     {matters, {c630s::pulses_per_revolution, c630s::gear_1_numerator, c630s::gear_1_denominator}, has_unused_gear,

@@ -90,15 +90,24 @@ class watched {
     std::size_t size_ = 0;
 };
 
+/// A register and the content that it is to have; of a pair the high word is the upper half.
+struct new_value {
+    u16 address;
+    u32 bits;
+
+    friend bool operator==(const new_value&, const new_value&) = default;
+};
+
 struct check;
 using condition = bool (*)(const held_registers&, const check&);
 using phrase = std::string (*)(const held_registers&, const check&);
+using new_values = std::vector<new_value> (*)(const held_registers&, const check&);
 
 /// The way to mend a finding.
 struct mend {
-    const char* act = "";     ///< what a person does, a clause; empty: nothing besides the command
-    const char* write = "";   ///< `REG=VALUE ...` for `servobus write`; empty: none
-    phrase compose = nullptr; ///< the same, where it depends on what was read
+    const char* act = "";         ///< what a person does, a clause; empty: nothing besides the command
+    const char* write = "";       ///< `REG=VALUE ...` for `servobus write`; empty: none
+    new_values compose = nullptr; ///< the same, where it depends on what was read; may give none
 };
 
 struct check {
@@ -109,6 +118,11 @@ struct check {
     mend by{};
     phrase more = nullptr; ///< sentences after `why`, of what was read
     u16 value = 0;         ///< what `applies` compares with
+    /// The registers that show it, where that depends on what was read; null: `of`.
+    watched (*shown_by)(const held_registers&, const check&) = nullptr;
+    /// Registers that have to hold something else: the finding says how many, and they are listed where a person asks
+    /// for it.
+    new_values differing = nullptr;
 };
 
 /// The checks of a device, and what they read besides the registers that they name.
@@ -145,12 +159,35 @@ template <class Device> bool has_other_format(const held_registers& r, const che
     return r.on.baud != 0;
 }
 
-/// Formats a register's content as VALUE of the tool takes it.
+/// `0x0040`
 inline std::string hex_of(u16 word) {
     constexpr char digits[] = "0123456789ABCDEF";
     std::string text = "0x";
     for (int shift = 12; shift >= 0; shift -= 4) text += digits[word >> shift & 15];
     return text;
+}
+
+// Writes that mend, for several tables
+
+/// The code of the rate, or the format, that the line is used with.
+template <class Device> std::vector<new_value> rate_in_use(const held_registers& r, const check& c) {
+    for (const servobus::rate_choice& choice : Device::on_line.rates) {
+        if (choice.baud == r.on.baud) return {{c.of[0], choice.code}};
+    }
+    return {};
+}
+template <class Device> std::vector<new_value> format_in_use(const held_registers& r, const check& c) {
+    for (const servobus::format_choice& choice : Device::on_line.formats) {
+        if (choice.format == r.on.format) return {{c.of[0], choice.code}};
+    }
+    return {};
+}
+/// The content of the second register for the first one, and the other way round.
+inline std::vector<new_value> second_to_first(const held_registers& r, const check& c) {
+    return {{c.of[0], r.word(c.of[1])}};
+}
+inline std::vector<new_value> first_to_second(const held_registers& r, const check& c) {
+    return {{c.of[1], r.word(c.of[0])}};
 }
 
 /// Finds the checks that apply. A check of which a register could not be read is left out.

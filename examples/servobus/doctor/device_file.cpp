@@ -4,23 +4,14 @@
 
 #include "../os/interrupts.hpp"
 #include "../parameters.hpp"
+#include "../text/typed_value.hpp"
 #include "reading.hpp"
 
 namespace tool::diagnosis {
 namespace {
 
-bool is_readable(const servobus::entry& e) { return e.rights != servobus::access::wo; }
-
 std::string range_text(const servobus::entry& e) {
     return number_text(e, e.limits.low) + " .. " + number_text(e, e.limits.high);
-}
-
-// The default, as VALUE takes a register's content.
-std::string content_of(const servobus::entry& e) {
-    std::string text;
-    for (const u16 word : words_of(e, e.initial))
-        text += text.empty() ? hex_of(word) : hex_of(word).substr(2);
-    return text;
 }
 
 void judge_value(report& to, const servobus::entry& e, std::int64_t number, const std::string& command) {
@@ -36,20 +27,11 @@ void judge_value(report& to, const servobus::entry& e, std::int64_t number, cons
 
 } // namespace
 
-first_row first_readable(const device& of) {
-    for (const servobus::table t : all_tables) {
-        for (const servobus::entry& e : of.rows_of(t)) {
-            if (is_readable(e)) return {&e, t};
-        }
-    }
-    return {};
-}
-
 servobus::status judge_rows(report& to, session& on, const target& of) {
     for (const servobus::table t : all_tables) {
         std::vector<const servobus::entry*> rows;
         for (const servobus::entry& e : of.kind->rows_of(t)) {
-            if (is_readable(e)) rows.push_back(&e);
+            if (e.rights != servobus::access::wo) rows.push_back(&e);
         }
         held_registers held;
         const auto read = [&](std::span<const servobus::entry* const> some, std::span<u16> words) {
@@ -57,9 +39,7 @@ servobus::status judge_rows(report& to, session& on, const target& of) {
             return on.read(some, words, t);
         };
         for (const diagnosis::unread& u : read_into(held, rows, of.facts().max_read, read)) {
-            const bool is_refusal = u.why.error() == servobus::errc::exception ||
-                                    u.why.error() == servobus::errc::unexpected_value;
-            if (!is_refusal) return u.why;
+            if (!is_refusal(u.why)) return u.why;
             to.unread(std::string{static_cast<const char*>(u.row->name)} + ": " + why_text(of, u.why, on),
                       false);
         }
@@ -68,7 +48,9 @@ servobus::status judge_rows(report& to, session& on, const target& of) {
             std::vector<u16> words;
             for (std::size_t i = 0; i < e->words(); ++i)
                 words.push_back(held.word(static_cast<u16>(e->address + i)));
-            const std::string back = std::string{static_cast<const char*>(e->name)} + '=' + content_of(*e);
+            const std::string back = e->initial == servobus::no_default
+                                         ? ""
+                                         : typed_assignment(choose(*e, t), words_of(*e, e->initial));
             judge_value(to, *e, number_of(*e, words), to.command("write", back));
         }
     }

@@ -30,7 +30,7 @@ void judge_port(report& to, const std::string& port);
 void explain_silence(report& to, const std::string& port, const target& of, servobus::status why,
                      const session& on);
 
-/// Reads a row ten times, and reports how long its responses took, of the time that they may take.
+/// Reads a row many times, and reports how long its responses took, of the time that they may take.
 response_times judge_responses(report& to, session& on, const servobus::entry& row, servobus::table from);
 
 /// Reports how short a program's period may be; `period_ms`: what it is to be, 0 if that is not known.

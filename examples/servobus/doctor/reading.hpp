@@ -21,6 +21,11 @@ struct unread {
     servobus::status why;
 };
 
+/// The device responds, but does not give the register.
+inline bool is_refusal(const servobus::status& why) {
+    return why.error() == servobus::errc::exception || why.error() == servobus::errc::unexpected_value;
+}
+
 /// The first rows of a list that are adjacent and fit in one request.
 inline std::size_t count_adjacent(std::span<const servobus::entry* const> rows, std::size_t most) {
     std::size_t count = 1;
@@ -55,9 +60,6 @@ std::vector<unread> read_into(held_registers& held, std::span<const servobus::en
                 held.put(static_cast<u16>(e->address + i), words[at++]);
         }
         return why;
-    };
-    const auto is_refusal = [](const servobus::status& why) {
-        return why.error() == servobus::errc::exception || why.error() == servobus::errc::unexpected_value;
     };
     while (!rows.empty()) {
         const auto some = rows.first(count_adjacent(rows, most));

@@ -14,9 +14,11 @@ namespace tool::diagnosis {
 /// The findings about one device. The first word of a line says how bad it is.
 class report {
   public:
-    /// `options`: those of the line, with a blank in front, as a command that mends something needs them.
-    report(std::string port, std::string device, std::string options)
-        : port_{std::move(port)}, device_{std::move(device)}, options_{std::move(options)} {}
+    /// `options`: those of the line, with a blank in front, as a command that mends something needs them. `is_long`: each
+    /// register that differs has a line.
+    report(std::string port, std::string device, std::string options, bool is_long)
+        : port_{std::move(port)}, device_{std::move(device)}, options_{std::move(options)}, is_long_{
+                                                                                                is_long} {}
 
     /// About the port or the line. `act`: what to try; empty: nothing.
     void line(const std::string& what) { say("line", what); }
@@ -32,7 +34,12 @@ class report {
         return options_.find(" --echo on") != options_.npos ? " --echo on" : "";
     }
     /// `servobus COMMAND PORT DEVICE REST`, with the options of the line.
-    std::string command(const std::string& name, const std::string& rest = "") const;
+    std::string command(const std::string& name, const std::string& rest = "") const {
+        return command_for(device_, name, rest);
+    }
+    /// The same for another device, `c630s:2`.
+    std::string command_for(const std::string& device, const std::string& name,
+                            const std::string& rest = "") const;
 
     /// Prints how many findings there are. Returns the exit status.
     int end(bool can_be_enabled);
@@ -43,6 +50,7 @@ class report {
     std::string port_;
     std::string device_;
     std::string options_;
+    bool is_long_;
     unsigned refusals_ = 0;
     unsigned others_ = 0;
     unsigned unknown_ = 0; ///< unread, and needed

@@ -8,6 +8,7 @@
 
 #include <servobus/client/settings_on_one_line.hpp>
 
+#include "../text/typed_value.hpp"
 #include "line_findings.hpp"
 
 namespace tool::diagnosis {
@@ -23,15 +24,13 @@ std::string settings_text(std::uint32_t baud, servobus::character_format format)
     return std::to_string(baud) + " " + text(format);
 }
 
-std::string word_of(const target& of) { return of.kind->word() + ':' + std::to_string(of.node); }
-
 // Lists the writes that bring a device from the factory's settings to those of the line.
 std::string way_of(const target& of, const servobus::line_change& change) {
     std::string writes;
     for (const servobus::line_write& w : {change.rate, change.format}) {
         if (!w) continue;
         const servobus::entry* const row = of.kind->map->find(w.address);
-        writes += std::string{" "} + static_cast<const char*>(row->name) + '=' + std::to_string(w.code);
+        writes += ' ' + typed_assignment(choose(*row), std::span<const u16>{&w.code, 1});
     }
     if (change.needs_save) writes += ", then save";
     if (change.needs_power_cycle) writes += ", then switch it off and on";
@@ -45,7 +44,7 @@ template <std::size_t Count> std::optional<servobus::uart_settings> settings_of(
     if (!shared) {
         std::string each;
         for (const target& of : all) {
-            each += (each.empty() ? "" : ", ") + word_of(of) + " has " +
+            each += (each.empty() ? "" : ", ") + of.word() + " has " +
                     settings_text(of.facts().baud, of.facts().format);
         }
         std::printf(
@@ -58,7 +57,7 @@ template <std::size_t Count> std::optional<servobus::uart_settings> settings_of(
         const servobus::profile& facts = all[i].facts();
         const std::string factory = settings_text(facts.baud, facts.format);
         std::printf("%-8s %s: %s from the factory, %s on a line with the others%s%s\n", "line",
-                    word_of(all[i]).c_str(), factory.c_str(), line.c_str(), shared->changes[i] ? ":" : "",
+                    all[i].word().c_str(), factory.c_str(), line.c_str(), shared->changes[i] ? ":" : "",
                     shared->changes[i] ? way_of(all[i], shared->changes[i]).c_str() : "");
     }
     return servobus::uart_settings{shared->baud, shared->format};

@@ -36,8 +36,12 @@ inline bool is_on(const held_registers& r, u16 function_register) {
 inline bool is_active_as(const held_registers& r, const check& c) {
     return r.word(c.of[0]) == c.value && is_on(r, c.of[0]);
 }
-inline std::string without_function(const held_registers&, const check& c) {
-    return "x" + std::to_string(place_of(c.of[0])) + "_function=undefined";
+inline std::vector<new_value> without_function(const held_registers&, const check& c) {
+    return {{c.of[0], static_cast<u16>(input_function::undefined)}};
+}
+inline std::vector<new_value> other_polarity(const held_registers& r, const check& c) {
+    const u16 address = closed::input_polarity.address;
+    return {{address, static_cast<u16>(r.word(address) ^ 1u << place_of(c.of[0]))}};
 }
 inline bool is_doubled(const held_registers& r, const check& c) {
     const u16 function = r.word(c.of[0]);
@@ -62,10 +66,19 @@ inline bool has_limits(const held_registers& r) {
 inline bool is_limited_without_home(const held_registers& r, const check& c) {
     return has_limits(r) && (r.word(c.of[1]) & motion_status::homed_bit) == 0;
 }
-inline bool has_no_way(const held_registers& r, const check& c) {
+inline bool has_exchanged_limits(const held_registers& r, const check& c) {
     const auto highest = static_cast<std::int32_t>(r.pair(c.of[1]));
     const auto lowest = static_cast<std::int32_t>(r.pair(c.of[2]));
-    return has_limits(r) && highest <= lowest;
+    return has_limits(r) && highest < lowest;
+}
+inline std::vector<new_value> exchanged_limits(const held_registers& r, const check& c) {
+    return {{c.of[1], r.pair(c.of[2])}, {c.of[2], r.pair(c.of[1])}};
+}
+inline bool has_equal_limits(const held_registers& r, const check& c) {
+    return has_limits(r) && r.pair(c.of[1]) == r.pair(c.of[2]);
+}
+inline std::vector<new_value> limit_at_position(const held_registers& r, const check& c) {
+    return {{c.of[2], r.pair(c.of[1])}};
 }
 // 0017h matters to who has limits.
 inline bool coasts_at_a_limit(const held_registers& r, const check& c) {
@@ -88,6 +101,9 @@ struct input_rule {
 
 // clang-format off
 inline constexpr mend open_it {.act = "open the input; or, if nothing is wired to it", .compose = without_function};
+inline constexpr mend leave_it {.act = "move away from it; or, if its contact opens there", .compose = other_polarity};
+inline constexpr const char* no_current =
+    "the motor gets no current and does not turn; the manual states no value from the factory";
 inline constexpr const char* runs_at_once =
     "the input is active: the motor runs as soon as it stands and is enabled; an enable is refused if it starts "
     "before, or runs into a limit";
@@ -99,9 +115,9 @@ inline constexpr input_rule input_rules[] = {
     {input_function::emergency_stop, matters,
      "the input is active: the drive ignores every start", open_it},
     {input_function::positive_limit, matters,
-     "the limit switch is active: the motor does not move forward", {.act = "move away from it; or open the input"}},
+     "the limit switch is active: the motor does not move forward", leave_it},
     {input_function::negative_limit, matters,
-     "the limit switch is active: the motor does not move backward", {.act = "move away from it; or open the input"}},
+     "the limit switch is active: the motor does not move backward", leave_it},
     {input_function::speed_move, matters,
      runs_at_once, open_it},
     {input_function::jog_positive, matters,
@@ -123,24 +139,34 @@ inline constexpr check both[] = {
      "it is neither 0 nor 1, so it is not known whether limits are in force", {.write = "software_limits=disabled"}},
 
     {matters, {yako::status_word}, has_bit,
-     "the motor moves: another program or an input commands it", {.write = "motion_command=0x0100"}, nullptr,
+     "the motor moves: another program or an input commands it", {.write = "motion_command=stop"}, nullptr,
      motion_status::moving_bit},
-    {matters, {yako::status_word}, has_bit,
+    {matters, {yako::status_word, yako::actual_position, yako::positive_software_limit}, has_bit,
      "the position is beyond the positive software limit: the motor does not move forward",
-     {.act = "move back, or widen the limit"}, nullptr, motion_status::positive_limit_bit},
-    {matters, {yako::status_word}, has_bit,
+     {.act = "move back; or, if the machine has the room", .compose = limit_at_position}, nullptr,
+     motion_status::positive_limit_bit},
+    {matters, {yako::status_word, yako::actual_position, yako::negative_software_limit}, has_bit,
      "the position is beyond the negative software limit: the motor does not move backward",
-     {.act = "move forward, or widen the limit"}, nullptr, motion_status::negative_limit_bit},
+     {.act = "move forward; or, if the machine has the room", .compose = limit_at_position}, nullptr,
+     motion_status::negative_limit_bit},
     {matters, {yako::pair_word_order}, is_value,
      "32-bit values have their low word first; programs that do not read 0019h take positions for others",
      {.write = "pair_word_order=high_first"}, nullptr, 1},
-    {matters, {yako::software_limits, yako::status_word}, is_limited_without_home,
-     "the drive is not homed, so its software limits do not hold it", {.act = "home it"}},
-    {matters, {yako::software_limits, yako::positive_software_limit, yako::negative_software_limit}, has_no_way,
-     "the positive limit is not above the negative one: a homed drive cannot move", {.act = "set both",
+    {matters,
+     {yako::software_limits, yako::status_word, yako::positive_software_limit, yako::negative_software_limit},
+     is_limited_without_home,
+     "the drive is not homed, so its software limits do not hold it",
+     {.act = "home it: set homing_method for the machine, then motion_command=start_homing, which moves the motor"}},
+    {matters, {yako::software_limits, yako::positive_software_limit, yako::negative_software_limit},
+     has_exchanged_limits,
+     "the positive limit is below the negative one: a homed drive cannot move",
+     {.act = "if they are exchanged", .compose = exchanged_limits}},
+    {matters, {yako::software_limits, yako::positive_software_limit, yako::negative_software_limit}, has_equal_limits,
+     "both limits are the same position: a homed drive cannot move",
+     {.act = "write positive_software_limit above negative_software_limit, in pulses; until then",
       .write = "software_limits=disabled"}},
     {matters, {yako::over_travel_stop_mode}, coasts_at_a_limit,
-     "at a limit the motor is released and coasts, and a load that hangs falls",
+     "at a limit the motor is released and coasts, and a load that hangs falls; so from the factory",
      {.write = "over_travel_stop_mode=emergency_stop"}},
     {matters, {yako::base_current}, is_zero,
      "the motor has no base current: it may have no torque", {.write = "base_current=40"}},
@@ -148,19 +174,21 @@ inline constexpr check both[] = {
      "the motor gets no current and does not turn", {.write = "open_loop_max_current=100"}},
     {matters, {yako::rs485_baud_rate}, has_other_rate<yako::device>,
      "the drive has another rate than it responds at, from the next power cycle on",
-     {.act = "give the rate that it has by --baud then, or write the one in use"}},
+     {.act = "give the rate that it has by --baud then; or, to keep the one in use",
+      .compose = rate_in_use<yako::device>}},
     {matters, {yako::rs485_format}, has_other_format<yako::device>,
      "the drive has another format than it responds with, from the next power cycle on",
-     {.act = "give the format that it has by --format then, or write the one in use"}},
+     {.act = "give the format that it has by --format then; or, to keep the one in use",
+      .compose = format_in_use<yako::device>}},
 };
 inline constexpr check of_closed_loop[] = {
     {refuses, {closed::speed_resolution}, is_none_of_two,
-     "it is neither 0 nor 1, so the worth of a speed is unknown", {.write = "speed_resolution=0"}},
+     "it is neither 0 nor 1, so the worth of a speed is unknown", {.write = "speed_resolution=1_r/min"}},
     {matters, {closed::speed_resolution}, is_value,
      "speeds count 0.1 r/min: a program that counts r/min moves the motor ten times slower",
-     {.write = "speed_resolution=0"}, nullptr, 1},
+     {.write = "speed_resolution=1_r/min"}, nullptr, 1},
     {matters, {closed::max_current}, is_zero,
-     "the motor gets no current and does not turn", {.act = "set it to the motor's rated current"}},
+     no_current, {.act = "set it to the motor's rated current"}},
     {matters, {closed::closed_loop_max_current}, is_zero,
      "the motor gets no current and does not turn", {.write = "closed_loop_max_current=100"}},
     {matters, {closed::holding_current}, is_zero,
@@ -168,7 +196,7 @@ inline constexpr check of_closed_loop[] = {
 };
 inline constexpr check of_open_loop[] = {
     {matters, {open::max_current}, is_zero,
-     "the motor gets no current and does not turn", {.act = "set it to the motor's rated current"}},
+     no_current, {.act = "set it to the motor's rated current"}},
     {matters, {open::holding_current}, is_zero,
      "at standstill the motor holds nothing, and may lose its position", {.write = "holding_current=40"}},
 };
@@ -200,7 +228,7 @@ template <std::size_t Inputs, std::size_t Own> constexpr auto table_of(const che
     }
     return all;
 }
-inline constexpr u16 also[] = {yako::pv_trigger_mode.address};
+inline constexpr u16 also[] = {yako::pv_trigger_mode.address, closed::input_polarity.address};
 inline constexpr auto closed_loop_table = table_of<4>(of_closed_loop);
 inline constexpr auto open_loop_table = table_of<7>(of_open_loop);
 

@@ -46,8 +46,8 @@ inline bool is_in_alarm(const held_registers& r, const check& c) {
 inline bool is_stop_active(const held_registers& r, const check& c) {
     return r.word(c.of[0]) == emergency && ((r.word(c.of[1]) ^ r.word(c.of[2])) & c.value) != 0;
 }
-inline std::string other_polarity(const held_registers& r, const check& c) {
-    return "input_polarity=" + hex_of(static_cast<u16>(r.word(c.of[2]) ^ c.value));
+inline std::vector<new_value> other_polarity(const held_registers& r, const check& c) {
+    return {{c.of[2], static_cast<u16>(r.word(c.of[2]) ^ c.value)}};
 }
 
 inline bool is_no_resolution(const held_registers& r, const check& c) {
@@ -64,6 +64,13 @@ inline bool is_short(const held_registers& r, const check& c) {
 }
 inline std::string shortest_in_words(const held_registers& r, const check&) {
     return "A program with the usual limits needs at least " + std::to_string(shortest_timeout(r)) + " ms.";
+}
+
+inline bool has_other_address(const held_registers& r, const check& c) {
+    return r.word(c.of[0]) != r.on.node;
+}
+inline std::vector<new_value> address_in_use(const held_registers& r, const check& c) {
+    return {{c.of[0], r.on.node}};
 }
 
 inline bool is_turning(const held_registers& r, const check&) {
@@ -96,13 +103,20 @@ inline bool is_drive_hot(const held_registers& r, const check& c) {
 
 // clang-format off
 inline constexpr const char* fault_refuses   = "the drive is not enabled while a wheel has a fault";
-inline constexpr const char* stop_refuses    = "an emergency stop is active, and the drive ignores an enable";
+inline constexpr const char* x0_refuses =
+    "an emergency stop is active, and the drive ignores an enable; X0 has this function from the factory";
+inline constexpr const char* x1_refuses      = "an emergency stop is active, and the drive ignores an enable";
 inline constexpr const char* unlike =
     "the wheels are unlike: the robot turns where it should run straight, or one wheel stops first";
 inline constexpr mend reset_fault            {.act = "mend the cause", .write = "control_word=fault_reset"};
 inline constexpr mend release_stop {.act = "release the stop; or, if its contact opens to stop",
                                     .compose = other_polarity};
-inline constexpr mend make_alike             {.act = "if the motors are alike, write the value that is right for them to both"};
+inline constexpr mend make_alike             {.act = "if the motors are alike, and the left value is right for both",
+                                              .compose = first_to_second};
+inline constexpr mend lower_rated            {.act = "set both from the motor's data sheet; or, if the maximum is right",
+                                              .compose = second_to_first};
+inline constexpr mend set_current            {.act = "set it to the maximum of the motor's data sheet"};
+inline constexpr mend set_lines              {.act = "set it to the lines of the encoder's data sheet"};
 
 inline constexpr check table[] = {
     // Severity, registers, condition, why it matters, what mends it
@@ -113,9 +127,9 @@ inline constexpr check table[] = {
     {refuses, {zlac::status_word, zlac::left_faults, zlac::right_faults}, is_in_alarm,
      "a shaft is in alarm, without a fault code", reset_fault},
     {refuses, {zlac::x0_function, zlac::input_state, zlac::input_polarity}, is_stop_active,
-     stop_refuses, release_stop, nullptr, 1},
+     x0_refuses, release_stop, nullptr, 1},
     {refuses, {zlac::x1_function, zlac::input_state, zlac::input_polarity}, is_stop_active,
-     stop_refuses, release_stop, nullptr, 2},
+     x1_refuses, release_stop, nullptr, 2},
     {refuses, {zlac::speed_resolution}, is_no_resolution,
      "it is outside 1..10, so the worth of a commanded speed is unknown", {.write = "speed_resolution=1"}},
 
@@ -162,30 +176,30 @@ inline constexpr check table[] = {
      "the drive is within 10 degC of its limit", {.act = "let it cool, and lower its load"}},
     {matters, {zlac::left_brake}, is_set,
      "code 1 may hold the wheel or release it, which the manual leaves open; against a brake it has an overload "
-     "fault", {.act = "if it holds the wheel", .write = "left_brake=0"}},
+     "fault", {.act = "if it holds the wheel", .write = "left_brake=code_0"}},
     {matters, {zlac::right_brake}, is_set,
      "code 1 may hold the wheel or release it, which the manual leaves open; against a brake it has an overload "
-     "fault", {.act = "if it holds the wheel", .write = "right_brake=0"}},
+     "fault", {.act = "if it holds the wheel", .write = "right_brake=code_0"}},
     {matters, {zlac::parking_mode}, is_set,
      "wheels that are not enabled are braked and cannot be pushed", {.write = "parking_mode=off"}},
     {matters, {zlac::shaft_at_power_on}, is_set,
      "after power-on the wheels are held, though nothing is enabled", {.write = "shaft_at_power_on=unlocked"}},
     {matters, {zlac::input_stop}, is_set,
-     "after an emergency stop by an input the wheels are released, and roll on a slope", {.write = "input_stop=0"}},
+     "after an emergency stop by an input the wheels are released, and roll on a slope", {.write = "input_stop=lock_shaft"}},
     {matters, {zlac::left_max_current}, is_zero,
-     "the motor gets no current and does not turn", {.act = "set it for the motor"}},
+     "the motor gets no current and does not turn", set_current},
     {matters, {zlac::right_max_current}, is_zero,
-     "the motor gets no current and does not turn", {.act = "set it for the motor"}},
+     "the motor gets no current and does not turn", set_current},
     {matters, {zlac::left_rated_current, zlac::left_max_current}, exceeds_second,
      "the rated current is above the maximum, so the overload protection acts late or never",
-     {.act = "set both for the motor"}},
+     lower_rated},
     {matters, {zlac::right_rated_current, zlac::right_max_current}, exceeds_second,
      "the rated current is above the maximum, so the overload protection acts late or never",
-     {.act = "set both for the motor"}},
+     lower_rated},
     {matters, {zlac::left_encoder_lines}, is_zero,
-     "without encoder lines positions and speeds have no scale", {.act = "set it for the encoder"}},
+     "without encoder lines positions and speeds have no scale", set_lines},
     {matters, {zlac::right_encoder_lines}, is_zero,
-     "without encoder lines positions and speeds have no scale", {.act = "set it for the encoder"}},
+     "without encoder lines positions and speeds have no scale", set_lines},
     {matters, {zlac::left_encoder_lines, zlac::right_encoder_lines}, differs,
      unlike, make_alike},
     {matters, {zlac::left_pole_pairs, zlac::right_pole_pairs}, differs,
@@ -210,14 +224,14 @@ inline constexpr check table[] = {
      unlike, make_alike},
     {matters, {zlac::left_max_speed, zlac::max_motor_speed}, exceeds_second,
      "moves are slower than this speed, since max_motor_speed limits them",
-     {.act = "lower it, or raise max_motor_speed"}},
+     {.act = "raise max_motor_speed; or", .compose = second_to_first}},
     {matters, {zlac::rs485_baud_rate}, has_other_rate<zlac::device>,
      "the drive has another rate than it responds at: after the next power cycle it may not respond here",
-     {.act = "give the rate that it has by --baud then, or write the one in use"}},
-    {matters, {zlac::node_address}, [](const held_registers& r, const check& c) { return r.word(c.of[0]) != r.on.node;
-    },
+     {.act = "give the rate that it has by --baud then; or, to keep the one in use",
+      .compose = rate_in_use<zlac::device>}},
+    {matters, {zlac::node_address}, has_other_address,
      "the drive has another address than it responds at: after the next power cycle it may not respond here",
-     {.act = "name that address then, or write the one in use"}},
+     {.act = "name that address then; or, to keep the one in use", .compose = address_in_use}},
 };
 // clang-format on
 

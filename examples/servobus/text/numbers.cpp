@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Whole numbers and addresses as text, and back.
+// Whole numbers, counts and addresses as text, and back.
 #include <charconv>
 #include <cstdio>
 
@@ -13,6 +13,10 @@ std::string hex_word(u16 word) {
     char text[8];
     (void)std::snprintf(text, sizeof text, "0x%04X", static_cast<unsigned>(word));
     return text;
+}
+
+std::string counted(std::size_t n, const char* thing) {
+    return std::to_string(n) + ' ' + thing + (n == 1 ? "" : "s");
 }
 
 std::optional<std::int64_t> parse_integer(std::string_view text) {

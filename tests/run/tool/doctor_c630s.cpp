@@ -12,6 +12,7 @@
 
 #include <examples/servobus/doctor/c630s.hpp>
 #include <tests/support/driven_doctored.hpp>
+#include <tests/support/mended_findings.hpp>
 
 namespace doctor_c630s_tests {
 namespace {
@@ -77,9 +78,13 @@ constexpr doctored::state<bench> states[] = {
     {"an emergency stop", conduct<6>, " input_conduction: the emergency"},
     {"an emergency stop by the bus", put<0x0D05, 1>, " emergency_stop"},
     {"terminals forced", put<0x0D11, 1>, " terminal_forcing"},
-    {"a wired servo-on", put<0x0302, 1>, " di1_function"},
+    {"the factory's servo-on", put<0x0302, 1>},
+    {"another wired servo-on", put<0x0308, 1>, " di1_function: a wired"},
+    {"a stop by a virtual input", [](bench& b) { return put<0x1716, 34>(b) && put<0x3100, 0x0800>(b); },
+     " input_conduction: the emergency"},
+    {"a limit whose logic is inverted", put<0x0307, 1>, " input_conduction: the negative"},
     {"a wired servo-on, active", [](bench& b) { return put<0x0302, 1>(b) && conduct<1>(b); },
-     " di1_function"},
+     " di1_function: a wired"},
     {"servo-on from power-on on", put<0x0300, 1>, " power_on_functions_1_to_16"},
     {"the virtual one too", put<0x0C0A, 1>, " virtual_inputs_at_power_on"},
     {"no virtual inputs", put<0x0C09, 0>, " virtual_inputs_enable: the terminals"},
@@ -180,6 +185,29 @@ TEST_CASE("doctor says that an enable of a C630S is refused if its brake does no
     CHECK(count.open == 1); // an always released brake refuses it for certain
 }
 
+TEST_CASE("the commands that doctor names mend its findings about a C630S") {
+    std::set<std::string> mended;
+    doctored::expect_mended(states, list, map, make, mended);
+    doctored::expect_all_mended(list, mended);
+}
+
+TEST_CASE("doctor names the input of a C630S that is active, and its logic") {
+    const auto b = make();
+    REQUIRE(put<0x0307, 1>(*b));
+    const auto held = doctored::read_of(b->model, list, map);
+    for (const doctored::check* c : tool::diagnosis::find(list, held)) {
+        if (doctored::first_of(*c, map) != "input_conduction") continue;
+        const auto shown = c->shown_by(held, *c);
+        CHECK(std::vector<u16>(shown.all().begin(), shown.all().end()) ==
+              std::vector<u16>{c630s::di3_function.address, c630s::di3_logic.address,
+                               c630s::input_conduction.address});
+        CHECK(c->more(held, *c) == "DI3 does not conduct, which is active by its logic.");
+        CHECK(c->by.compose(held, *c) == std::vector<doctored::new_value>{{c630s::di3_logic.address, 0}});
+        return;
+    }
+    FAIL("the input is not found");
+}
+
 TEST_CASE("doctor has nothing else to say of a C630S that is set up") {
     const auto b = make();
     const auto names = [&] {
@@ -199,8 +227,18 @@ TEST_CASE("doctor refuses a C630S from the factory, and says what its set-up lac
     const auto found = tool::diagnosis::find(list, held);
     REQUIRE(!found.empty());
     CHECK(found[0]->is == tool::diagnosis::refuses);
-    const std::string more = found[0]->more(held, *found[0]);
-    CHECK(more.find("registers differ: P03-02 is 1 and has to be 0") != std::string::npos);
+    // Each register once.
+    const auto differing = found[0]->differing(held, *found[0]);
+    CHECK(differing.size() == 30);
+    std::set<u16> addresses;
+    for (const doctored::new_value& one : differing) {
+        addresses.insert(one.address);
+        CHECK(held.word(one.address) != one.bits);
+    }
+    CHECK(addresses.size() == differing.size());
+    // The other factory settings are harmless, but the EEPROM wears.
+    REQUIRE(found.size() == 2);
+    CHECK(doctored::first_of(*found[1], map) == "eeprom_update");
     doctored::tally count;
     doctored::compare(b, list, map, count);
     CHECK(count.refused == 1);

@@ -13,6 +13,7 @@
 
 #include <examples/servobus/doctor/yako.hpp>
 #include <tests/support/driven_doctored.hpp>
+#include <tests/support/mended_findings.hpp>
 
 namespace doctor_yako_tests {
 namespace {
@@ -69,6 +70,7 @@ template <class B> struct of {
         {"no word order", force<B, 0x0019, 2>, " pair_word_order: it is neither"},
         {"no limits or limits", force<B, 0x0018, 2>, " software_limits: it is neither"},
         {"limits without home", put<B, 0x0018, 1>, " software_limits: the drive is not homed"},
+        {"limits at one place", put<B, 0x0018, 1>, " software_limits: both limits"},
         {"limits without a way", reverse_limits<B>, " software_limits: the positive"},
         {"an emergency stop at a limit", put<B, 0x0017, 1>},
         {"no current", put<B, 0x0105, 0>, " open_loop_max_current"},
@@ -232,12 +234,13 @@ void say_inputs(const tool::diagnosis::check_list& list, const servobus::catalog
     }
 }
 
+constexpr doctored::state<closed_bench> of_closed[] = {
+    {"0.1 r/min", put<closed_bench, 0x001A, 1>, " speed_resolution: speeds count"},
+    {"no current in closed loop", put<closed_bench, 0x0103, 0>, " closed_loop_max_current"},
+};
+
 TEST_CASE("doctor finds each state of a YAKO stepper, and has no row without one") {
     std::set<std::string> said;
-    static constexpr doctored::state<closed_bench> of_closed[] = {
-        {"0.1 r/min", put<closed_bench, 0x001A, 1>, " speed_resolution: speeds count"},
-        {"no current in closed loop", put<closed_bench, 0x0103, 0>, " closed_loop_max_current"},
-    };
     doctored::expect_findings(of_closed, closed_list, closed_map, make<closed_bench>, said);
     doctored::expect_findings(of<closed_bench>::states, closed_list, closed_map, make<closed_bench>, said);
     say_inputs<closed_bench>(closed_list, closed_map, 4, said);
@@ -246,6 +249,33 @@ TEST_CASE("doctor finds each state of a YAKO stepper, and has no row without one
     doctored::expect_findings(of<open_bench>::states, open_list, open_map, make<open_bench>, said);
     say_inputs<open_bench>(open_list, open_map, 7, said);
     doctored::expect_all(open_list, open_map, said);
+}
+
+TEST_CASE("the commands that doctor names mend its findings about a YAKO stepper") {
+    std::set<std::string> mended;
+    doctored::expect_mended(of_closed, closed_list, closed_map, make<closed_bench>, mended);
+    doctored::expect_mended(of<closed_bench>::states, closed_list, closed_map, make<closed_bench>, mended);
+    doctored::expect_all_mended(closed_list, mended);
+    mended.clear();
+    doctored::expect_mended(of<open_bench>::states, open_list, open_map, make<open_bench>, mended);
+    doctored::expect_all_mended(open_list, mended);
+}
+
+// The simulator's current is 0, since the manual states none from the factory.
+TEST_CASE("doctor says of a YAKO stepper from the factory what would surprise its owner") {
+    const auto whys = [](auto b, const auto& list, const auto& map) {
+        std::string all;
+        for (const doctored::check* c : tool::diagnosis::find(list, doctored::read_of(b->model, list, map)))
+            all += doctored::first_of(*c, map) + ": " + c->why + '\n';
+        return all;
+    };
+    const std::string expected =
+        "over_travel_stop_mode: at a limit the motor is released and coasts, and a load that hangs falls; so "
+        "from the factory\n"
+        "max_current: the motor gets no current and does not turn; the manual states no value from the "
+        "factory\n";
+    CHECK(whys(make<closed_bench>(), closed_list, closed_map) == expected);
+    CHECK(whys(make<open_bench>(), open_list, open_map) == expected);
 }
 
 TEST_CASE("doctor warns of a YAKO stepper whose input may start it while it is taken over") {

@@ -11,6 +11,7 @@
 
 #include <examples/servobus/doctor/zlac8015d.hpp>
 #include <tests/support/driven_doctored.hpp>
+#include <tests/support/mended_findings.hpp>
 
 namespace doctor_zlac8015d_tests {
 namespace {
@@ -184,6 +185,13 @@ TEST_CASE("doctor finds each state of a ZLAC8015D") {
     std::set<std::string> said;
     doctored::expect_findings(states, list, map, make, said);
     doctored::expect_all(list, map, said);
+}
+
+TEST_CASE("the commands that doctor names mend its findings about a ZLAC8015D") {
+    std::set<std::string> mended;
+    doctored::expect_mended(states, list, map, make, mended);
+    // The state of its shaft is forced in the test.
+    doctored::expect_all_mended(list, mended, {"a shaft is in alarm, without a fault code"});
 }
 
 TEST_CASE("doctor has nothing to say of a ZLAC8015D from the factory") {
