@@ -93,7 +93,7 @@ def probed(tool: Tool, drive, device: str, consent: str = "move", power: bool = 
 def comes_back(tool: Tool, device: str):
     tool.write("switches.txt", SWITCHES[device])
     with tool.simulated(f"{device} --switches switches.txt") as drive:
-        if device == "yako-closed-loop":
+        if device.startswith("yako"):
             tool.run(f"write drive {device} auxiliary_command=release --yes")
         found = probed(tool, drive, device)
         tool.status_is(f"{device}: it ends well", 0)
@@ -124,7 +124,7 @@ def without_consent(tool: Tool):
 def interrupted(tool: Tool, device: str):
     """Ctrl-C while the motor is held or turns: it stands, the drive has its words, and what was found till then is kept."""
     with tool.simulated(device):
-        if device == "yako-closed-loop":
+        if device.startswith("yako"):
             tool.run(f"write drive {device} auxiliary_command=release --yes {WAIT}")
         tool.run(f"backup drive {device} before.txt {WAIT}")
         for seconds in (0.2, 3):
@@ -132,7 +132,7 @@ def interrupted(tool: Tool, device: str):
             with os.fdopen(reads) as stdin:
                 running = tool.start(f"probe drive {device} found.txt {WAIT}", stdin=stdin)
                 until(lambda: running.err.endswith((": ", "] ")))
-                while not running.err.endswith("to agree, anything else to leave it out: ") or "turn" not in running.err:
+                while running.process.poll() is None and "free to turn" not in running.err:
                     asked = running.err
                     os.write(writes, b"move\n" if asked.endswith("leave it out: ") else b"?\n")
                     until(lambda: running.err != asked and running.err.endswith((": ", "] ")))
