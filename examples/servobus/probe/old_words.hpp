@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
-#include <ranges>
 #include <vector>
 
 #include "bench.hpp"
@@ -38,7 +37,7 @@ class old_words {
         for (const old& o : all_) write(o);
     }
     void restore_last_first() {
-        for (const old& o : std::views::reverse(all_)) write(o);
+        for (auto o = all_.rbegin(); o != all_.rend(); ++o) write(*o);
     }
     void forget() { all_.clear(); }
 
