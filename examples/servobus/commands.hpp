@@ -4,7 +4,7 @@
 // The commands and their options, in one table. The command line is parsed by it; help, man page and
 // completion are made from it.
 //
-// To add a command: its function in tool.hpp, its row in commands.cpp.
+// To add a command: its function in tool.hpp, its options in command_options.hpp, its row in commands.cpp.
 #pragma once
 
 #include <span>
