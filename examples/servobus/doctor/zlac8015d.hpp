@@ -101,6 +101,11 @@ inline bool is_drive_hot(const held_registers& r, const check& c) {
     return r.number(zlac::driver_temperature) + 10 * margin > r.word(c.of[1]);
 }
 
+// A maximum of 0 is a finding of its own.
+inline bool is_rated_above(const held_registers& r, const check& c) {
+    return r.word(c.of[1]) != 0 && exceeds_second(r, c);
+}
+
 // clang-format off
 inline constexpr const char* fault_refuses   = "the drive is not enabled while a wheel has a fault";
 inline constexpr const char* x0_refuses =
@@ -190,10 +195,10 @@ inline constexpr check table[] = {
      "the motor gets no current and does not turn", set_current},
     {matters, {zlac::right_max_current}, is_zero,
      "the motor gets no current and does not turn", set_current},
-    {matters, {zlac::left_rated_current, zlac::left_max_current}, exceeds_second,
+    {matters, {zlac::left_rated_current, zlac::left_max_current}, is_rated_above,
      "the rated current is above the maximum, so the overload protection acts late or never",
      lower_rated},
-    {matters, {zlac::right_rated_current, zlac::right_max_current}, exceeds_second,
+    {matters, {zlac::right_rated_current, zlac::right_max_current}, is_rated_above,
      "the rated current is above the maximum, so the overload protection acts late or never",
      lower_rated},
     {matters, {zlac::left_encoder_lines}, is_zero,
