@@ -224,6 +224,9 @@ def late_responses(tool: Doctor):
         tool.run(f"doctor {port} meter.csv --timeout 500")
         tool.finds("a response that is nearly late", "matters", "of the 500 ms that are allowed: some will be late")
         tool.status_is("and it is no refusal", 0)
+        device.delays = [0, 0, 0, 0.8]
+        tool.run(f"doctor {port} meter.csv --timeout 4000")
+        tool.finds("one that is later than all others", "matters", "a response began after ", "beyond the 4000 ms that are allowed")
 
 
 @scene()
