@@ -122,21 +122,25 @@ def without_consent(tool: Tool):
 
 @scene(*os.environ.get("PROBED", "zlac8015d").split())
 def interrupted(tool: Tool, device: str):
-    """Ctrl-C while the motor is held or turns: it stands, the drive has its words, and what was found till then is kept."""
+    """Ctrl-C at a question, and while the motor is held or turns: it stands, without an alarm, and the drive has its words."""
+    status = {"zlac8015d": "status_word", "c630s": "servo_status"}.get(device, "pair_word_order")  # a stepper's says where it has been
     with tool.simulated(device):
         if device.startswith("yako"):
             tool.run(f"write drive {device} auxiliary_command=release --yes {WAIT}")
         tool.run(f"backup drive {device} before.txt {WAIT}")
-        for seconds in (0.2, 3):
+        tool.run(f"read drive {device} {status} {WAIT}")
+        at_rest = tool.last.out
+        for seconds in (0, 0.2, 3):
             reads, writes = os.pipe()
             with os.fdopen(reads) as stdin:
                 running = tool.start(f"probe drive {device} found.txt {WAIT}", stdin=stdin)
                 until(lambda: running.err.endswith((": ", "] ")))
-                while running.process.poll() is None and "free to turn" not in running.err:
+                while seconds and running.process.poll() is None and "free to turn" not in running.err:
                     asked = running.err
                     os.write(writes, b"move\n" if asked.endswith("leave it out: ") else b"?\n")
                     until(lambda: running.err != asked and running.err.endswith((": ", "] ")))
-                os.write(writes, b"move\n")
+                if seconds:
+                    os.write(writes, b"move\n")
                 time.sleep(seconds)  # somewhere in a step
                 running.send(signal.SIGINT)
                 os.close(writes)
@@ -146,6 +150,7 @@ def interrupted(tool: Tool, device: str):
             tool.check(f"{device}, after {seconds} s: and keeps its findings", tool.exists("found.txt"))
             tool.run(f"backup drive {device} after.txt {WAIT}")
             tool.is_equal(f"{device}, after {seconds} s: the drive has its words", tool.read("after.txt"), tool.read("before.txt"))
+            tool.says(f"{device}, after {seconds} s: and its state", f"read drive {device} {status} {WAIT}", *at_rest.splitlines())
             tool.run(f"restore drive {device} before.txt --dry-run {WAIT}")
             tool.check(f"{device}, after {seconds} s: and is at rest", tool.last.status == 0, tool.found())
 

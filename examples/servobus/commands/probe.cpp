@@ -24,19 +24,16 @@ class real_bench final : public probe_bench {
   public:
     real_bench(session& on, const target& of) : on_{&on}, of_{&of} {}
 
-    /// Why it has ended early; empty if it has not.
-    const std::string& trouble() const { return trouble_; }
-
   private:
     bool read_now(u16 address, std::span<u16> words) override {
-        // Once: what gives the drive its words back reads too.
-        if (interrupts::came() && !std::exchange(was_interrupted_, true)) return fail("interrupted");
+        if (is_interrupted()) return false;
         const chosen what{hex_word(address), address, static_cast<u16>(words.size()), nullptr};
         const servobus::status why = on_->read(what, words);
         return why.error() == servobus::errc::ok || fail(what.name + ": " + why_text(*of_, why, *on_));
     }
     written write_now(u16 address, std::span<const u16> words) override {
         const chosen what{hex_word(address), address, static_cast<u16>(words.size()), nullptr};
+        if (is_interrupted()) return written::unknown;
         const servobus::status w = on_->write(what, words);
         if (w) return written::yes;
         if (w.outcome() == servobus::outcome::refused) return written::refused;
@@ -102,15 +99,13 @@ class real_bench final : public probe_bench {
     }
     servobus::instant clock() const override { return on_->port().now(); }
 
-    servobus::duration longest_wait() const { return on_->response_limit() + servobus::milliseconds(200); }
-    bool fail(const std::string& why) {
-        if (trouble_.empty()) trouble_ = why;
-        return false;
+    // Once: what gives the drive its words back reads and writes too.
+    bool is_interrupted() {
+        return interrupts::came() && !std::exchange(was_interrupted_, true) && !fail("interrupted");
     }
-
+    servobus::duration longest_wait() const { return on_->response_limit() + servobus::milliseconds(200); }
     session* on_;
     const target* of_;
-    std::string trouble_{};
     bool was_interrupted_ = false;
 };
 

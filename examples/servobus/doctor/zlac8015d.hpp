@@ -36,6 +36,17 @@ inline zlac::status_flags status_of(const held_registers& r) {
 inline bool is_either(const held_registers& r, zlac::shaft_state s) {
     return status_of(r).left.shaft == s || status_of(r).right.shaft == s;
 }
+// `value`: 0 for the left wheel, 1 for the right one.
+inline bool is_alarmed(const held_registers& r, const check& c) {
+    return (c.value == 0 ? status_of(r).left : status_of(r).right).shaft == zlac::shaft_state::alarm;
+}
+inline bool is_at_fault(const held_registers& r, const check& c) {
+    return r.word(c.of[0]) != 0 && is_alarmed(r, c);
+}
+// The code may stay after the reset [errata B32].
+inline bool was_at_fault(const held_registers& r, const check& c) {
+    return r.word(c.of[0]) != 0 && !is_alarmed(r, c);
+}
 // An alarm without a code, which no other row shows.
 inline bool is_in_alarm(const held_registers& r, const check& c) {
     const bool has_code = r.word(c.of[1]) != 0 || r.word(c.of[2]) != 0;
@@ -108,12 +119,15 @@ inline bool is_rated_above(const held_registers& r, const check& c) {
 
 // clang-format off
 inline constexpr const char* fault_refuses   = "the drive is not enabled while a wheel has a fault";
+inline constexpr const char* fault_is_over   =
+    "the wheel is in no alarm, but the code of a fault is still there, and a program of this library enables nothing then";
 inline constexpr const char* x0_refuses =
     "an emergency stop is active, and the drive ignores an enable; X0 has this function from the factory";
 inline constexpr const char* x1_refuses      = "an emergency stop is active, and the drive ignores an enable";
 inline constexpr const char* unlike =
     "the wheels are unlike: the robot turns where it should run straight, or one wheel stops first";
 inline constexpr mend reset_fault            {.act = "mend the cause", .write = "control_word=fault_reset"};
+inline constexpr mend switch_off             {.act = "mend the cause, and switch the drive off and on"};
 inline constexpr mend release_stop {.act = "release the stop; or, if its contact opens to stop",
                                     .compose = other_polarity};
 inline constexpr mend make_alike             {.act = "if the motors are alike, and the left value is right for both",
@@ -125,10 +139,14 @@ inline constexpr mend set_lines              {.act = "set it to the lines of the
 
 inline constexpr check table[] = {
     // Severity, registers, condition, why it matters, what mends it
-    {refuses, {zlac::left_faults}, is_set,
-     fault_refuses, reset_fault, faults_in_words},
-    {refuses, {zlac::right_faults}, is_set,
-     fault_refuses, reset_fault, faults_in_words},
+    {refuses, {zlac::left_faults, zlac::status_word}, is_at_fault,
+     fault_refuses, reset_fault, faults_in_words, 0},
+    {refuses, {zlac::right_faults, zlac::status_word}, is_at_fault,
+     fault_refuses, reset_fault, faults_in_words, 1},
+    {refuses, {zlac::left_faults, zlac::status_word}, was_at_fault,
+     fault_is_over, switch_off, faults_in_words, 0},
+    {refuses, {zlac::right_faults, zlac::status_word}, was_at_fault,
+     fault_is_over, switch_off, faults_in_words, 1},
     {refuses, {zlac::status_word, zlac::left_faults, zlac::right_faults}, is_in_alarm,
      "a shaft is in alarm, without a fault code", reset_fault},
     {refuses, {zlac::x0_function, zlac::input_state, zlac::input_polarity}, is_stop_active,

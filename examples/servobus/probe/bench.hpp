@@ -68,6 +68,14 @@ class probe_bench {
     std::optional<std::uint16_t> count_in_response(std::uint16_t address, std::uint16_t word) {
         return has_failed_ ? std::nullopt : count_now(address, word);
     }
+    /// Ends the probe before it has begun: nothing would show.
+    void give_up(const std::string& why) {
+        trouble_ = why;
+        has_failed_ = true;
+    }
+    /// Why it has ended early; empty if it has not.
+    const std::string& trouble() const { return trouble_; }
+
     servobus::instant now() const { return clock(); }
     bool has_failed() const { return has_failed_; }
     /// Waits for a drive that was lost, so that it gets its old words back: 20 s at most. True if it responds.
@@ -82,6 +90,12 @@ class probe_bench {
 
   protected:
     enum class written : std::uint8_t { yes, refused, unknown };
+
+    /// The first reason of a failure. Returns false.
+    bool fail(const std::string& why) {
+        if (trouble_.empty()) trouble_ = why;
+        return false;
+    }
 
   private:
     template <std::size_t N> std::array<std::uint16_t, N> read_words(std::uint16_t address) {
@@ -108,6 +122,7 @@ class probe_bench {
     virtual servobus::instant clock() const = 0;
 
     bool has_failed_ = false;
+    std::string trouble_{};
 };
 
 } // namespace tool

@@ -21,7 +21,8 @@ class c630s_probe : c630s_enabled {
     void run() {
         namespace c = servobus::c630s;
         note_order(c::pair_word_order.address);
-        if (on_->read(c::servo_status.address) == in_fault) return; // nothing shows then
+        if (on_->read(c::servo_status.address) == in_fault)
+            return on_->give_up("the drive has an alarm: reset it, and probe again");
         keeps_ = on_->read(c::eeprom_update.address);
         if (on_->has_failed()) return;
         keep(false);
@@ -119,6 +120,7 @@ class c630s_probe : c630s_enabled {
             old_.restore_last_first();
             (void)on_->write(c::homing_control.address, 0);
             inputs(0);
+            if (read(c::servo_status) == in_fault) reset_alarm(); // of a step that did not come to its end
             keep(true); // a 0 may have been stored, and a 1 is while it is 1
             (void)on_->write(c::eeprom_update.address, keeps_);
             if (!on_->has_failed()) return;

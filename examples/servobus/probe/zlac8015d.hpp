@@ -21,8 +21,7 @@ class zlac8015d_probe : probe_steps {
 
     void run() {
         note_old_words();
-        if (left().shaft == shaft::alarm || status().right.shaft == shaft::alarm)
-            return; // nothing shows then
+        if (is_in_alarm()) return on_->give_up("a wheel is in alarm: reset its fault, and probe again");
         brake();
         fault_code();
         if (on_->may("The wheels are held, and turn at 5 r/min, some seconds at a time. They are lifted or "
@@ -41,6 +40,7 @@ class zlac8015d_probe : probe_steps {
         stop();
         if (!on_->is_back(servobus::zlac8015d::status_word.address)) return;
         stop();
+        end_alarm();
         save_again();
         old_.restore();
     }
@@ -101,6 +101,12 @@ class zlac8015d_probe : probe_steps {
             (void)left();
             wait();
         }
+    }
+    bool is_in_alarm() { return left().shaft == shaft::alarm || status().right.shaft == shaft::alarm; }
+    // That of a step which did not come to its end.
+    void end_alarm() {
+        if (is_in_alarm()) command(control::fault_reset);
+        (void)until([&] { return !is_in_alarm(); }, 5);
     }
     // Not enabled, at standstill, targets 0. Also after a failure.
     void stop() {

@@ -167,6 +167,8 @@ constexpr doctored::state<bench> states[] = {
          b.model.end_faults();
          return put<0x200E, 6>(b);
      }},
+    {"a code that stays", force<0x20A5, 4>, " left_faults: the wheel is in no alarm"},
+    {"a code that stays at the right", force<0x20A6, 4>, " right_faults: the wheel is in no alarm"},
     {"an alarm without a code",
      [](bench& b) {
          b.model.forced[0x20A2] = 0x00C0;

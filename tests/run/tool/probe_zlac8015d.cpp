@@ -107,6 +107,12 @@ findings probed(bench& on) {
     return found;
 }
 
+std::uint16_t status_of(sim::zlac8015d& model) {
+    std::uint16_t word[1]{};
+    REQUIRE(model.read(z::status_word.address, word) == 0);
+    return word[0];
+}
+
 // The words that a power cycle would not bring back.
 std::vector<std::uint16_t> words_of(sim::zlac8015d& model) {
     std::vector<std::uint16_t> words;
@@ -169,6 +175,16 @@ TEST_CASE("a ZLAC8015D that is not switched off after a save keeps its own words
     }
 }
 
+TEST_CASE("a ZLAC8015D in alarm is not probed, and that is said") {
+    bench on{{}};
+    on.model.raise(z::fault::none, z::fault::overload);
+    const findings found = probed(on);
+    CHECK(on.trouble() == "a wheel is in alarm: reset its fault, and probe again");
+    CHECK(on.asked.empty());
+    CHECK(on.model.writes() == 0);
+    for (std::size_t i = 0; i < found.all().size(); ++i) CHECK_FALSE(found.way(i));
+}
+
 TEST_CASE("a person who does not know leaves it open") {
     bench on{{}};
     on.has_brake = false;
@@ -186,6 +202,7 @@ TEST_CASE(
         const sim::zlac8015d_options chosen = tool::options_of(tool::zlac8015d_switches, ways);
         bench whole{chosen};
         const std::vector<std::uint16_t> before = words_of(whole.model);
+        const std::uint16_t at_rest = status_of(whole.model);
         (void)probed(whole);
         std::uint32_t failed = 0;
         for (std::uint32_t n = 0; n < whole.requests; n += n < 40 || n + 40 > whole.requests ? 1 : 11) {
@@ -197,6 +214,7 @@ TEST_CASE(
             ++failed;
             CHECK_FALSE(on.model.enabled());
             CHECK(on.model.stands_still());
+            CHECK(status_of(on.model) == at_rest);
             CHECK(words_of(on.model) == before);
             on.model.power_cycle();
             CHECK(words_of(on.model) == before);
