@@ -256,8 +256,11 @@ class serial {
         if (::tcgetattr(fd, &t) != 0) return errno;
         detail::make_raw(t);
         if (wanted.format == character_format::n82) t.c_cflag |= CSTOPB;
-        if (wanted.format == character_format::e81) t.c_cflag |= PARENB;
-        if (wanted.format == character_format::o81) t.c_cflag |= PARENB | PARODD;
+        // A pseudo-terminal has none: tcsetattr says EINVAL where nothing else changes, such as at a second opening.
+        const bool has_parity =
+            wanted.format == character_format::e81 || wanted.format == character_format::o81;
+        if (has_parity && !is_pty_) t.c_cflag |= PARENB;
+        if (wanted.format == character_format::o81 && !is_pty_) t.c_cflag |= PARODD;
         if ((t.c_cflag & PARENB) != 0) t.c_iflag |= INPCK; // a byte in error reads as 0: the CRC fails
         const speed_t speed = detail::standard_speed(wanted.baud);
         const bool is_standard = speed != B0;
