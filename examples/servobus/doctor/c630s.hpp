@@ -50,6 +50,10 @@ inline std::vector<new_value> others(const held_registers& r) {
 inline bool is_set_up(const held_registers& r) { return others(r).empty(); }
 inline bool is_not_set_up(const held_registers& r, const check&) { return !is_set_up(r); }
 inline std::vector<new_value> other_registers(const held_registers& r, const check&) { return others(r); }
+// The switch of the virtual inputs, unless it is on already.
+inline watched first_other(const held_registers& r, const check& c) {
+    return is_other(r, c.of[0]) ? c.of : watched::at({others(r).front().address});
+}
 
 // Alarms
 
@@ -138,7 +142,7 @@ inline constexpr check table[] = {
     // Severity, registers, condition, why it matters, what mends it
     {refuses, {c630s::virtual_inputs_enable}, is_not_set_up,
      "the terminals are not set up: the bus reaches servo-on and the drive's state through virtual terminals only",
-     run_set_up, nullptr, 0, nullptr, other_registers},
+     run_set_up, nullptr, 0, first_other, other_registers},
     {refuses, {c630s::selected_fault_record}, awaits_power,
      "a set-up has marked the drive: what it has kept works from the next power cycle on", switch_on},
     {refuses, {c630s::pair_word_order}, is_none_of_two,
@@ -186,11 +190,11 @@ inline constexpr check table[] = {
     {matters, {c630s::terminal_forcing}, is_set,
      "terminals are forced: limit switches and stops may have no effect", {.write = "terminal_forcing=none"}},
     {matters, {c630s::max_speed}, is_zero,
-     "the motor does not turn, since this limits its speed", {.write = "max_speed=5000"}},
+     "the motor does not turn, since this limits its speed", {.act = "set it for the machine; from the factory", .write = "max_speed=5000"}},
     {matters, {c630s::max_forward_speed}, is_zero,
-     "the motor does not turn forward, since this limits its speed", {.write = "max_forward_speed=5000"}},
+     "the motor does not turn forward, since this limits its speed", {.act = "set it for the machine; from the factory", .write = "max_forward_speed=5000"}},
     {matters, {c630s::max_reverse_speed}, is_zero,
-     "the motor does not turn in reverse, since this limits its speed", {.write = "max_reverse_speed=5000"}},
+     "the motor does not turn in reverse, since this limits its speed", {.act = "set it for the machine; from the factory", .write = "max_reverse_speed=5000"}},
     {matters, {c630s::positive_internal_torque_limit}, is_zero,
      "the motor has no torque forward",
      {.act = "set it for the machine; from the factory", .write = "positive_internal_torque_limit=300.0"}},

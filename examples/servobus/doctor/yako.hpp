@@ -139,6 +139,9 @@ inline constexpr check both[] = {
      "it is neither 0 nor 1, so it is not known whether limits are in force", {.write = "software_limits=disabled"}},
 
     {matters, {yako::status_word}, has_bit,
+     "the motor is released: it holds nothing, and a start is ignored", {.act = "once nothing else releases it", .write = "auxiliary_command=enable"}, nullptr,
+     motion_status::released_bit},
+    {matters, {yako::status_word}, has_bit,
      "the motor moves: another program or an input commands it", {.write = "motion_command=stop"}, nullptr,
      motion_status::moving_bit},
     {matters, {yako::status_word, yako::actual_position, yako::positive_software_limit}, has_bit,

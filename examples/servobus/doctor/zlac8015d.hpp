@@ -112,6 +112,10 @@ inline bool is_drive_hot(const held_registers& r, const check& c) {
     return r.number(zlac::driver_temperature) + 10 * margin > r.word(c.of[1]);
 }
 
+// The left wheel's value for both; the right one's where the left is 0.
+inline std::vector<new_value> alike(const held_registers& r, const check& c) {
+    return r.word(c.of[0]) != 0 ? first_to_second(r, c) : second_to_first(r, c);
+}
 // A maximum of 0 is a finding of its own.
 inline bool is_rated_above(const held_registers& r, const check& c) {
     return r.word(c.of[1]) != 0 && exceeds_second(r, c);
@@ -130,8 +134,8 @@ inline constexpr mend reset_fault            {.act = "mend the cause", .write = 
 inline constexpr mend switch_off             {.act = "mend the cause, and switch the drive off and on"};
 inline constexpr mend release_stop {.act = "release the stop; or, if its contact opens to stop",
                                     .compose = other_polarity};
-inline constexpr mend make_alike             {.act = "if the motors are alike, and the left value is right for both",
-                                              .compose = first_to_second};
+inline constexpr mend make_alike             {.act = "if the motors are alike, and this value is right for both",
+                                              .compose = alike};
 inline constexpr mend lower_rated            {.act = "set both from the motor's data sheet; or, if the maximum is right",
                                               .compose = second_to_first};
 inline constexpr mend set_current            {.act = "set it to the maximum of the motor's data sheet"};
