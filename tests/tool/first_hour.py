@@ -19,7 +19,8 @@ from shared_wire import shared_wire
 
 PAGE = (HERE.parents[1] / "examples/servobus/first_hour.md").read_text()
 PORT = "/dev/ttyUSB0"
-NOT_RUN = {"ls ": "there is no adapter here", "g++ ": "the build compiles it", "build/servo ": "it asks for a power cycle"}
+NOT_RUN = {"ls ": "there is no adapter here", "mkdir ": "the build compiles the program",
+           "build/servo ": "it asks for a power cycle"}
 # Where the drive of a command is. What names no drive is about the wheels.
 LINKS = {"yako-closed-loop:1": "stepper_drive"}
 # What a person types where a command asks.
