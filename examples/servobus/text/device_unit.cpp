@@ -52,7 +52,7 @@ std::string parse_unit(std::string_view scale, std::string_view symbol, servobus
     std::optional<servobus::unit> u = servobus::unit{};
     if (!scale.empty()) u = parse_scale(scale);
     if (!u) return "scale takes 0.1, 25, 1/3 or the like, of numbers up to 65535, not " + csv::shown(scale);
-    constexpr unsigned last = static_cast<unsigned>(servobus::measure::radian_per_second);
+    constexpr unsigned last = static_cast<unsigned>(servobus::measure::cubic_metre_per_hour);
     std::vector<std::string_view> known;
     for (unsigned i = 0; i <= last; ++i) {
         const auto m = static_cast<servobus::measure>(i);
