@@ -464,7 +464,8 @@ template <std::uint16_t N, unit U> constexpr unit_constant<N * U> multiple(unit_
 /// The unit of a register that holds a code or a plain number.
 inline constexpr unit no_unit{};
 
-/// The named units. They have their own namespace, since names such as `second` and `count` are common.
+/// The named units. They have their own namespace, since names such as `second` and `count` are common. Those of meters
+/// and sensors are in meter_units.hpp.
 namespace units {
 inline constexpr unit_constant<unit{measure::r_per_min}> r_per_min{};
 inline constexpr unit_constant<unit{measure::second}> second{};
@@ -501,23 +502,6 @@ inline constexpr unit_constant<unit{measure::radian}> radian{};
 inline constexpr unit_constant<unit{measure::microradian_per_second}> microradian_per_second{};
 inline constexpr unit_constant<unit{measure::milliradian_per_second}> milliradian_per_second{};
 inline constexpr unit_constant<unit{measure::radian_per_second}> radian_per_second{};
-inline constexpr unit_constant<unit{measure::minute}> minute{};
-inline constexpr unit_constant<unit{measure::hour}> hour{};
-inline constexpr unit_constant<unit{measure::kilowatt}> kilowatt{};
-inline constexpr unit_constant<unit{measure::volt_ampere}> volt_ampere{};
-inline constexpr unit_constant<unit{measure::var}> var{};
-inline constexpr unit_constant<unit{measure::watt_hour}> watt_hour{};
-inline constexpr unit_constant<unit{measure::kilowatt_hour}> kilowatt_hour{};
-inline constexpr unit_constant<unit{measure::var_hour}> var_hour{};
-inline constexpr unit_constant<unit{measure::kilogram}> kilogram{};
-inline constexpr unit_constant<unit{measure::newton}> newton{};
-inline constexpr unit_constant<unit{measure::newton_metre}> newton_metre{};
-inline constexpr unit_constant<unit{measure::pascal}> pascal{};
-inline constexpr unit_constant<unit{measure::bar}> bar{};
-inline constexpr unit_constant<unit{measure::litre}> litre{};
-inline constexpr unit_constant<unit{measure::cubic_metre}> cubic_metre{};
-inline constexpr unit_constant<unit{measure::litre_per_minute}> litre_per_minute{};
-inline constexpr unit_constant<unit{measure::cubic_metre_per_hour}> cubic_metre_per_hour{};
 } // namespace units
 
 } // namespace servobus

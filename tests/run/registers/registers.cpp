@@ -17,6 +17,7 @@
 #include <servobus/device/zlac8015d/catalogue.hpp>
 #include <servobus/registers/block.hpp>
 #include <servobus/registers/catalogue.hpp>
+#include <servobus/registers/meter_units.hpp>
 #include <servobus/registers/register_value.hpp>
 
 namespace registers_tests {
