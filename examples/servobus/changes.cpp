@@ -43,7 +43,7 @@ int refuse_moving(const device& of, const char* verb) {
             if (moves || has(e.flags, flag::when_stopped)) {
                 return complain(usage,
                                 refused + name_of(e) +
-                                    (moves ? " moves a motor" : " is written only while a motor stands") +
+                                    (moves ? " moves the machine" : " is written only while a motor stands") +
                                     ", and a file does not say how to see that it is at rest");
             }
         }

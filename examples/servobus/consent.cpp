@@ -32,7 +32,8 @@ std::string peril(const target& of, const chosen& what, std::span<const u16> wor
     if (what.row == nullptr) return "is not in a map: who knows what it moves";
     if (words.size() == 1 && of.kind->is_stop(what.address, words[0])) return {};
     if (!of.kind->has_flags) return "is in a file without the column flags: who knows what it moves";
-    if (has(what.row->flags, flag::motion)) return "moves the motor of an enabled drive";
+    if (has(what.row->flags, flag::motion))
+        return of.kind->file != nullptr ? "moves the machine" : "moves the motor of an enabled drive";
     if (has(what.row->flags, flag::trigger)) return "acts as it is written";
     return {};
 }

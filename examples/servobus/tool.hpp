@@ -147,6 +147,7 @@ struct device {
     u16 node_register = 0; ///< where its address is set; 0: nothing says it
     /// The checks of `doctor`; null: those of any device.
     const diagnosis::examination* examination = nullptr;
+    bool has_watchdog = true;   ///< any request may feed it; false: it has none. A file does not say it
     const char* file = nullptr; ///< its path; null for a drive that the tool knows
     bool has_flags = true;      ///< false: nothing says which registers move a machine
     /// Points to the tables of a file, in the order of `servobus::table`; null for a drive that the tool knows, whose rows are

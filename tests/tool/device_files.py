@@ -4,6 +4,7 @@
 import csv
 import io
 import random
+import re
 import sys
 import time
 from pathlib import Path
@@ -109,11 +110,13 @@ WRONG = [
     (HEAD + row(name="a" * 48), 2, "has more than 47 characters"),
     (HEAD + row(name="a" * 47) + row(name="a" * 47, address="1"), 3, "is there twice, first in line 2"),
     (HEAD + row(name="a") + row(), 3, "speed: the address 0x0010 is taken by the row in line 2"),
-    (HEAD + row(name="a", type="u32") + row(address="17"), 3, "speed: the address 0x0011 is taken by the row in line 2"),
+    (HEAD + row(name="a", type="u32") + row(address="17"), 3, "speed: the address 0x0011 is taken by the pair in line 2"),
+    (HEAD + row(name="a", type="u32") + row(), 3, "speed: the address 0x0010 is taken by the pair in line 2"),
     (HEAD + row(name="a") + row(address="15", type="i32"), 3, "the address 0x0010 is taken by the row in line 2"),
     (HEAD + row(address=""), 2, "speed: address takes 0x0000 to 0xFFFF, 8244 or 2034h, not ''"),
     (HEAD + row(address="-1"), 2, "not '-1'"),
     (HEAD + row(address="65536"), 2, "not '65536'"),
+    (HEAD + row(address="400021"), 2, "not '400021'; an address is that in the frame, 0x0000 for 40001 or 400001 in a manual"),
     (HEAD + row(address="0x1G"), 2, "not '0x1G'"),
     (HEAD + row(address="65535", type="u32"), 2, "its second word is beyond address 0xFFFF"),
     (HEAD + row(type="u8"), 2, "type takes u16, i16, u32 or i32, not 'u8'"),
@@ -136,7 +139,14 @@ WRONG = [
     (HEAD + row(scale="1e3", unit="V"), 2, "scale takes"),
     (HEAD + row(scale="0.000001", unit="V"), 2, "scale takes"),
     (HEAD + row(scale="0.1"), 2, "scale '0.1' needs a unit; that of a plain ratio is times"),
-    (HEAD + row(unit="Volt"), 2, "unknown unit 'Volt'"),
+    (HEAD + row(unit="Volt"), 2, "unknown unit 'Volt'; known: r/min, s, ms, "),
+    (HEAD + row(unit="rpm"), 2, "unknown unit 'rpm'; did you mean r/min?"),
+    (HEAD + row(unit="°C"), 2, "did you mean degC?"),
+    (HEAD + row(unit="kvar"), 2, "unknown unit 'kvar'; write var, and a scale 1000 times as large"),
+    (HEAD + row(unit="kVAr"), 2, "unknown unit 'kVAr'; write var, and a scale 1000 times as large"),
+    (HEAD + row(unit="MWh"), 2, "unknown unit 'MWh'; write kWh, and a scale 1000 times as large"),
+    (HEAD + row(unit="mbar"), 2, "unknown unit 'mbar'; write bar, and 1/1000 of the scale"),
+    (HEAD + row(unit="hPa"), 2, "unknown unit 'hPa'; write Pa, and a scale 100 times as large"),
     (HEAD + row(unit="mv"), 2, "did you mean mV"),
     (HEAD + row(saved="true"), 2, "saved takes yes or no, not 'true'"),
     (HEAD + row(when="always"), 2, "when takes stopped, running or nothing"),
@@ -153,6 +163,9 @@ WRONG = [
     (HEAD + row(access="rw", flags="zero_by_name", min="1", max="2"), 2, "but 0 is outside the range"),
     (HEAD + row(names="0"), 2, "names takes 3=enable, b3=ready, 0x00C0:0x0040=locked, hex or halves, not '0'"),
     (HEAD + row(names="x=off"), 2, "'x' is no code of u16"),
+    (HEAD + row(names="pulse=2"), 2, "names takes CODE=name, as in '2=pulse', not 'pulse=2'"),
+    (HEAD + row(names="bypass=2"), 2, "names takes CODE=name, as in '2=bypass', not 'bypass=2'"),
+    (HEAD + row(names="open=1", table="coil"), 2, "names takes CODE=name, as in '1=open', not 'open=1'"),
     (HEAD + row(names="-1=off"), 2, "'-1' is no code of u16"),
     (HEAD + row(names="b16=off"), 2, "'b16' is no bit from b0 to b15"),
     (HEAD + row(names="3:4=off"), 2, "'3:4' is no MASK:VALUE of bits inside the mask"),
@@ -224,6 +237,22 @@ def wrong_files(tool: Tool):
         is_so = ended.status == 2 and ended.err.startswith(f"servobus: bad.csv:{line}: ") and why in ended.err
         is_so = is_so and len(ended.err_lines) == 1 and ended.out == "" and "\033" not in ended.err
         tool.check(f"file {number}, {why[:60]}", is_so, f"expected {line}: {why}\n{tool.found()}")
+
+
+@scene()
+def units(tool: Tool):
+    """The page lists the units that a file may have, and no others."""
+    page = (Path(__file__).resolve().parents[2] / "examples/servobus/README.md").read_text("utf-8")
+    listed = re.search(r"(?m)^The units are (.+(?:\n.+)*)", page)
+    symbols = re.findall(r"`([^`]+)`", listed[1]) if listed else []
+    rows = "".join(f"{i},register_{i},{symbol}\n" for i, symbol in enumerate(symbols))
+    tool.write("all.csv", f"address,name,unit\n{rows}")
+    tool.check("each unit of the page is one", symbols and tool.run("map all.csv").status == 0, tool.found())
+    tool.is_equal("and shown", [shown["unit"] for shown in profile_and_rows(tool.last.out)[1]], symbols)
+    tool.write("bad.csv", "address,name,unit\n1,x,Volt\n")
+    known = tool.run("map bad.csv").err.partition("; known: ")[2].strip()
+    tool.is_equal("a complaint lists the same", known.split("; ")[0].split(", "), symbols)
+    tool.check("meters have theirs", {"Wh", "kWh", "VA", "var", "bar", "l/min", "h"} <= set(symbols))
 
 
 @scene()

@@ -71,11 +71,16 @@ def c630s(tool: Tool):
             "its write wears the EEPROM and says so", "jog_speed is kept in the EEPROM, which this write wears"
         )
         tool.exits("P0C-13 = 0 by the bus is done", f"{write} eeprom_update=off jog_speed=60", 0)
-        tool.err_has("and is worn itself", "eeprom_update is kept in the EEPROM")
+        tool.err_has("and says what follows from it",
+                     "warning: after eeprom_update=off, what is written is lost with the power")
+        tool.err_lacks("and nothing of itself", "eeprom_update is ")
         tool.err_lacks("but what follows it is not", "jog_speed is kept")
         tool.run(f"{write} jog_speed=50")
         tool.err_lacks("nor by another command", "EEPROM")
         tool.exits("and on again", f"{write} eeprom_update=on", 0)
+        tool.err_has("and says what follows from it",
+                     "warning: after eeprom_update=on, each write of a saved register wears the EEPROM")
+        tool.err_lacks("and nothing of itself", "eeprom_update is ")
 
 
 play_tool()

@@ -317,7 +317,12 @@ def device_of_a_file(tool: Doctor):
         tool.finds("a value that was changed", "differs", "changed=8: the default is 7")
         tool.finds("a coil that was changed", "differs", "pump=1: the default is 0")
         tool.is_equal("and no other", len(tool.findings()), 5)
-        tool.out_has("and the sum", "meter.csv:1: 3 findings matter")
+        tool.out_has("and the sum", "meter.csv:1: 3 findings matter; 2 registers differ from their defaults")
+        device.holding[3], device.holding[4] = 50, 0
+        tool.write("timer.csv", "address,name,access,default\n2,changed,rw,7\n3,usual,rw,50\n")
+        tool.run(f"doctor {port} timer.csv --timeout 2000")
+        tool.out_has("one alone is in the sum", "timer.csv:1: 1 register differs from its default\n")
+        tool.check("which is not nothing", "nothing found" not in tool.last.out, tool.found())
         tool.is_equal("it only reads", {pdu[0] for pdu in device.requests} <= {1, 2, 3, 4}, True)
         tool.run(f"doctor {port} meter.csv:9 --timeout 50 --retries 0")
         tool.status_is("no response: status 1", 1)

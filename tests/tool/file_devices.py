@@ -115,7 +115,7 @@ def all_tables(tool: Tool):
         tool.is_equal("a coil by 05, a register by 06", writes_of(device), ["05000dff00", "0600300009"])
         device.requests.clear()
         tool.run(f"write {port} plant.csv pump=off", stdin="no\n")
-        tool.err_has("a coil with the flag motion asks", "pump moves the motor of an enabled drive")
+        tool.err_has("a coil with the flag motion asks", "pump moves the machine")
         tool.is_equal("and is not written", writes_of(device), [])
         tool.says("but with --yes", f"write {port} plant.csv pump=off --yes {WAIT}", "pump=off")
         tool.is_equal("by 05", writes_of(device), ["05000c0000"])
@@ -123,6 +123,16 @@ def all_tables(tool: Tool):
                             ("valve=ajar", "'ajar' is none of 0 shut, 1 open"), ("door=open", "read-only"),
                             ("level=1", "read-only")]:
             tool.fails(f"write {words}", f"write {port} plant.csv {words}", 2, text)
+        device.requests.clear()
+        tool.says("on and off are for a coil with names too", f"write {port} plant.csv valve=on valve=off valve=1 {WAIT}",
+                  "valve=open (0x0001)", "valve=shut (0x0000)", "valve=open (0x0001)")
+        tool.is_equal("and what they always are", writes_of(device), ["05000dff00", "05000d0000", "05000dff00"])
+        tool.write("inverse.csv", "address,name,table,access,names,flags\n12,lamp,coil,rw,0=on;1=dark,\n13,fan,coil,rw,1=on,\n")
+        device.requests.clear()
+        tool.says("but a name of the row wins", f"write {port} inverse.csv lamp=on fan=on fan=off {WAIT}",
+                  "lamp=on (0x0000)", "fan=on (0x0001)", "fan=0x0000")
+        tool.is_equal("with its code", writes_of(device), ["05000c0000", "05000dff00", "05000d0000"])
+        tool.fails("and the other word is none", f"write {port} inverse.csv lamp=off", 2, "'off' is none of 0 on, 1 dark")
         tool.run(f"backup {port} plant.csv {WAIT}")
         tool.check("backup: holding registers", [line.split("=")[0] for line in tool.last.lines[1:-1]] == ["setpoint"])
     shown = tool.run("map plant.csv --long --profile").out
@@ -132,7 +142,7 @@ def all_tables(tool: Tool):
     tool.says("map: a coil in words", "map plant.csv pump", "pump", "Runs the pump.", "", "address    0x000C",
               "table      coil", "type       bool", "access     read and write", "range      not stated",
               "default    not stated", "written    the manual does not say when",
-              "note       a write moves an enabled motor")
+              "note       a write moves the machine")
 
 
 @scene()
@@ -143,7 +153,7 @@ def consent(tool: Tool):
     device = filled()
     with on_terminal(device) as port:
         for name, words, text in [
-            ("motion", "lift.csv target=1", "warning: target moves the motor of an enabled drive"),
+            ("motion", "lift.csv target=1", "warning: target moves the machine"),
             ("trigger", "lift.csv start=1", "warning: start acts as it is written"),
             ("no column flags", "bare.csv target=1", "target is in a file without the column flags: who knows"),
         ]:
@@ -154,6 +164,29 @@ def consent(tool: Tool):
             tool.check(f"{name}: and has written", len(writes_of(device)) == 1)
             device.requests.clear()
         tool.says("another register does not ask", f"write {port} lift.csv ramp=5 {WAIT}", "ramp=5")
+
+
+@scene()
+def watchdogs(tool: Tool):
+    """Only what may have a watchdog and move is said to be fed."""
+    tool.write("lift.csv", "address,name,access,flags\n0x10,target,rw,motion\n0x12,ramp,rw,\n")
+    tool.write("relay.csv", "address,name,access,flags\n0x10,delay,rw,\n")
+    tool.write("meter.csv", "address,name\n0x10,voltage\n")
+    tool.write("bare.csv", "address,name,access\n0x10,target,rw\n")
+    with on_terminal(filled()) as port:
+        for words, fed in [("meter.csv 0x10", ""), ("relay.csv delay", ""),
+                           ("lift.csv target", "these requests feed the device's watchdog if it has one"),
+                           ("bare.csv target", "these requests feed the device's watchdog if it has one"),
+                           ("raw 0x10", "these requests feed the device's watchdog if it has one")]:
+            tool.run(f"watch {port} {words} --count 1 --interval 1 {WAIT}")
+            tool.check(f"watch {words}", tool.last.status == 0 and fed in tool.last.err and
+                       ("watchdog" in tool.last.err) == bool(fed), tool.found())
+    for drive, has_one in ("zlac8015d", True), ("yako-closed-loop", False), ("c630s", False):
+        with tool.simulated(drive):
+            register = {"zlac8015d": "bus_voltage", "yako-closed-loop": "status_word", "c630s": "actual_speed"}[drive]
+            tool.run(f"watch drive {drive} {register} --count 1 --interval 1")
+            tool.check(f"watch {drive}", tool.last.status == 0 and
+                       ("these requests feed the drive's watchdog; motors may run on" in tool.last.err) == has_one, tool.found())
 
 
 @scene()
@@ -182,7 +215,7 @@ def parameters(tool: Tool):
         tool.write("lift.csv", METER.replace("0x30,ratio,u16,rw,0.01,times,1,1000,100,,",
                                              "0x30,ratio,u16,rw,0.01,times,1,1000,100,motion,"))
         tool.fails("restore of a machine", f"restore {port} lift.csv saved.txt --yes", 2,
-                   "lift.csv: restore is refused, since ratio moves a motor")
+                   "lift.csv: restore is refused, since ratio moves the machine")
         tool.write("slow.csv", "address,name,access,when,flags\n0x30,ratio,rw,stopped,\n")
         tool.fails("restore of a motor's parameters", f"restore {port} slow.csv saved.txt --yes", 2,
                    "slow.csv: restore is refused, since ratio is written only while a motor stands")

@@ -31,7 +31,11 @@ address,name,type,access,scale,unit,min,max,default,flags,names,description
 0x14,signals,u16,ro,,,,,,,hex,
 0x15,names,u16,wo,,,,,,communication,b0=ready;0x00C0:0x0040=locked,
 0x20,energy,i32,rw,,,-2147483648,2147483647,-2147483648,,,
-0x22,total,u32,ro,,,0,4294967295,4294967295,,,
+0x22,total,u32,ro,0.01,kWh,0,4294967295,4294967295,,,
+0x24,reactive,u32,ro,1000,varh,,,,,,
+0x26,run_time,u32,ro,,h,,,,,,
+0x28,pressure,u16,ro,1/1000,bar,,,,,,
+0x29,flow,u16,ro,0.1,l/min,,,,,,
 '''
 PLANT = '''address,name,table,type,access,unit,default,names,flags,when
 0,pump,coil,bool,rw,,1,,motion,stopped

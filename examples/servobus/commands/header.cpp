@@ -59,9 +59,19 @@ class header_text {
     }
 
   private:
+    bool has_unit_of_meters() const {
+        for (const table t : all_tables) {
+            for (const entry& e : of_->rows_of(t)) {
+                if (cpp::is_of_meters(e.unit_of_count)) return true;
+            }
+        }
+        return false;
+    }
+
     void put_begin() {
         out_ = "// " + std::string{of_->facts().name} + ": its registers, made by `servobus header`.\n" +
                "#pragma once\n\n#include <cstdint>\n\n#include <servobus/registers/catalogue.hpp>\n" +
+               (has_unit_of_meters() ? "#include <servobus/registers/meter_units.hpp>\n" : "") +
                "#include <servobus/registers/tables.hpp>\n\nnamespace " + space_ + " {\n";
     }
 

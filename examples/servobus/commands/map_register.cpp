@@ -111,10 +111,12 @@ std::string modes_text(const entry& e) {
     return modes;
 }
 
-std::string note_text(const entry& e) {
+std::string note_text(const device& of, const entry& e) {
     std::string notes;
     if (has(e.flags, flag::trigger)) append(notes, "; ", "acts when it is written");
-    if (has(e.flags, flag::motion)) append(notes, "; ", "a write moves an enabled motor");
+    if (has(e.flags, flag::motion))
+        append(notes, "; ",
+               of.file != nullptr ? "a write moves the machine" : "a write moves an enabled motor");
     if (has(e.flags, flag::communication)) append(notes, "; ", "a setting of the line");
     if (has(e.flags, flag::scaled_elsewhere)) append(notes, "; ", "another register sets the scale");
     if (has(e.flags, flag::zero_by_name)) append(notes, "; ", "what 0 does is not documented");
@@ -154,7 +156,7 @@ void print_register(const device& of, const chosen& what) {
     print_line("effective", effective_text(e));
     print_line("saved", saved_text(e));
     print_line("modes", modes_text(e));
-    print_line("note", note_text(e));
+    print_line("note", note_text(of, e));
     print_values(e);
 }
 

@@ -8,6 +8,7 @@
 #include "../terminals.hpp"
 #include "../text/recorder.hpp"
 #include "../text/streams.hpp"
+#include "../text/typed_value.hpp"
 
 namespace tool {
 namespace {
@@ -83,9 +84,17 @@ std::vector<assignment> assignments_of(std::span<const job> jobs) {
     return all;
 }
 
-// A note if this write wears the drive's EEPROM.
-servobus::status warn_of_wear(session& on, const target& of, const chosen& what) {
+// A note if this write wears the drive's EEPROM, or decides whether others do.
+servobus::status warn_of_wear(session& on, const target& of, const chosen& what, std::span<const u16> words) {
     if (what.row == nullptr || !has(what.row->flags, servobus::flag::saved_on_write)) return {};
+    const bool is_register = what.form.table == servobus::table::holding_registers;
+    if (is_register && of.facts().eeprom_switch != 0 && what.address == of.facts().eeprom_switch) {
+        // Manuals do not say whether the switch itself is kept.
+        note("warning: after " + typed_assignment(what, words) +
+             (words[0] == 0 ? ", what is written is lost with the power"
+                            : ", each write of a saved register wears the EEPROM"));
+        return {};
+    }
     const std::string warning = "warning: " + what.name + " is kept in the EEPROM, which this write wears";
     if (of.facts().eeprom_switch == 0) {
         note(warning);
@@ -167,7 +176,8 @@ int write(const arguments& asked) {
         return complain(failed, clash_text(*of, found, on));
     for (std::size_t i = 0; i < jobs.size(); ++i) {
         const job& j = jobs[i];
-        if (const servobus::status why = warn_of_wear(on, *of, j.what); why.error() != servobus::errc::ok) {
+        if (const servobus::status why = warn_of_wear(on, *of, j.what, j.words);
+            why.error() != servobus::errc::ok) {
             return complain(failed, j.what.name + ": not sent, " + why_text(*of, why, on) +
                                         progress_text(i, jobs.size()));
         }

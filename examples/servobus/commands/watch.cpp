@@ -93,6 +93,25 @@ std::vector<shown_register> shown_registers(std::span<const chosen> wanted, cons
     return round;
 }
 
+// True if a file does not rule out that the device moves something.
+bool may_move(const device& of) {
+    for (const servobus::table t : all_tables) {
+        for (const servobus::entry& e : of.rows_of(t)) {
+            const bool can_write = e.rights != servobus::access::ro;
+            if (has(e.flags, servobus::flag::motion) || (!of.has_flags && can_write)) return true;
+        }
+    }
+    return false;
+}
+
+void warn_of_watchdog(const target& of) {
+    const bool is_known = of.kind != nullptr && of.kind->file == nullptr;
+    if (is_known ? !of.kind->has_watchdog : of.kind != nullptr && !may_move(*of.kind)) return;
+    note(std::string{"warning: these requests feed the "} +
+         (is_known ? "drive's watchdog" : "device's watchdog if it has one") +
+         "; motors may run on though their controller is dead");
+}
+
 } // namespace
 
 int watch(const arguments& asked) {
@@ -111,8 +130,7 @@ int watch(const arguments& asked) {
     if (const int status = records.prepare(asked, wanted); status != done) return status;
     if (const int status = on.open(asked.words()[0].c_str()); status != done) return status;
 
-    note("warning: these requests feed the drive's watchdog; motors may run on though their controller is "
-         "dead");
+    warn_of_watchdog(*of);
     interrupts::arm();
     on.wait_for_port({}); // each round looks whether it is back
     display screen{os::is_terminal(stdout)};

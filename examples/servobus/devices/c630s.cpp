@@ -130,7 +130,8 @@ const registered_drive of_c630s{{.map = servobus::c630s::catalogue,
                                  .turning = c630s_turning,
                                  .on_line = &servobus::c630s::device::on_line,
                                  .node_register = servobus::c630s::node_address.address,
-                                 .examination = &diagnosis::c630s_examination}};
+                                 .examination = &diagnosis::c630s_examination,
+                                 .has_watchdog = false}};
 
 } // namespace
 } // namespace tool

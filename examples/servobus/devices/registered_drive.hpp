@@ -44,6 +44,7 @@ struct known_drive {
     const servobus::line_choices* on_line = nullptr;
     u16 node_register = 0;
     const diagnosis::examination* examination = nullptr;
+    bool has_watchdog = true; ///< any request feeds it; false for a drive that certainly has none
 
     constexpr operator device() const { // NOLINT: implicit, a row is a device
         return {.map = map.get(),
@@ -61,7 +62,8 @@ struct known_drive {
                 .turning = turning,
                 .on_line = on_line,
                 .node_register = node_register,
-                .examination = examination};
+                .examination = examination,
+                .has_watchdog = has_watchdog};
     }
 };
 

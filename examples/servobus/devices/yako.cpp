@@ -77,7 +77,8 @@ known_drive yako(const servobus::catalogue& map, int (&simulate)(const simulatio
             .interpretations = yako_interpretations,
             .version_register = servobus::yako::drive_version.address,
             .on_line = &servobus::yako::device::on_line,
-            .node_register = servobus::yako::node_address.address};
+            .node_register = servobus::yako::node_address.address,
+            .has_watchdog = false};
 }
 known_drive closed_loop() {
     known_drive d = yako(servobus::yako::closed_loop::catalogue, simulate_yako_closed_loop);

@@ -21,7 +21,7 @@ void judge_value(report& to, const servobus::entry& e, std::int64_t number, cons
         const bool can_mend = e.rights == servobus::access::rw && e.initial != servobus::no_default;
         to.warn(value + ": outside " + range_text(e), can_mend ? command : "");
     } else if (e.rights == servobus::access::rw && e.initial != servobus::no_default && number != e.initial) {
-        to.differ(value + ": the default is " + number_text(e, e.initial));
+        to.differ_from_default(value, number_text(e, e.initial));
     }
 }
 

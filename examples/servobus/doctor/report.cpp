@@ -59,6 +59,10 @@ void report::unread(const std::string& what, bool is_needed) {
     ++(is_needed ? unknown_ : others_);
 }
 void report::differ(const std::string& what) { say("differs", what); }
+void report::differ_from_default(const std::string& value, const std::string& initial) {
+    differ(value + ": the default is " + initial);
+    ++changed_;
+}
 
 std::string report::command_for(const std::string& device, const std::string& name,
                                 const std::string& rest) const {
@@ -97,11 +101,13 @@ int report::end(bool can_be_enabled) {
                 (unknown_ == 1 ? " that decides" : " that decide") + " could not be read";
     }
     if (refusals_ == 0 && unknown_ == 0 && can_be_enabled) text += "nothing refuses an enable";
-    if (others_ != 0) {
+    if (others_ != 0)
         text += (text.ends_with(": ") ? "" : "; ") + findings_that(others_, "matters", "matter");
-    } else if (text.ends_with(": ")) {
-        text += "nothing found";
+    if (changed_ != 0) {
+        text += (text.ends_with(": ") ? "" : "; ") + counted(changed_, "register") +
+                (changed_ == 1 ? " differs from its default" : " differ from their defaults");
     }
+    if (text.ends_with(": ")) text += "nothing found";
     std::printf("%s\n", text.c_str());
     return refusals_ != 0 || unknown_ != 0 ? failed : done;
 }

@@ -27,6 +27,8 @@ class report {
     /// A register that could not be read. `is_needed`: to judge whether an enable is refused.
     void unread(const std::string& what, bool is_needed);
     void differ(const std::string& what);
+    /// A register of a device from a file, which no finding has.
+    void differ_from_default(const std::string& value, const std::string& initial);
     void finding(const check& c, const held_registers& held, const servobus::catalogue& map);
 
     /// ` --echo on` if the command line has it.
@@ -53,6 +55,7 @@ class report {
     bool is_long_;
     unsigned refusals_ = 0;
     unsigned others_ = 0;
+    unsigned changed_ = 0; ///< differ from their defaults
     unsigned unknown_ = 0; ///< unread, and needed
 };
 

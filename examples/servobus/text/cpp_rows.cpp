@@ -51,8 +51,25 @@ constexpr const char* unit_names[] = {"none",
                                       "radian",
                                       "microradian_per_second",
                                       "milliradian_per_second",
-                                      "radian_per_second"};
-static_assert(std::size(unit_names) == static_cast<unsigned>(servobus::measure::radian_per_second) + 1);
+                                      "radian_per_second",
+                                      "minute",
+                                      "hour",
+                                      "kilowatt",
+                                      "volt_ampere",
+                                      "var",
+                                      "watt_hour",
+                                      "kilowatt_hour",
+                                      "var_hour",
+                                      "kilogram",
+                                      "newton",
+                                      "newton_metre",
+                                      "pascal",
+                                      "bar",
+                                      "litre",
+                                      "cubic_metre",
+                                      "litre_per_minute",
+                                      "cubic_metre_per_hour"};
+static_assert(std::size(unit_names) == static_cast<unsigned>(servobus::measure::cubic_metre_per_hour) + 1);
 
 // From the lowest bit of servobus::flag on.
 constexpr const char* flag_names[] = {

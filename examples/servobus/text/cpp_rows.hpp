@@ -10,6 +10,9 @@
 
 namespace tool::cpp {
 
+/// True if the named unit is one of meter_units.hpp.
+constexpr bool is_of_meters(servobus::unit u) { return u.of > servobus::measure::radian_per_second; }
+
 /// The definition of a row: `rw<servobus::u16> ratio{0x0030, {1, 1000}, servobus::units::times / 100, 100}`. `codes` is the
 /// enumeration of its codes; empty if it has none.
 std::string row(const servobus::entry& e, servobus::table in, const std::string& name,

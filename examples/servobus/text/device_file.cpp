@@ -164,7 +164,13 @@ std::string device_file::take_addresses(const servobus::entry& e, servobus::tabl
     for (std::size_t i = 0; i < e.words(); ++i) {
         std::uint32_t& line = lines[e.address + i];
         const std::string shown = hex_word(static_cast<u16>(e.address + i));
-        if (line != 0) return "the address " + shown + " is taken by the row in line " + std::to_string(line);
+        if (line != 0) {
+            const std::size_t at = e.address + i;
+            const bool is_pair =
+                (at != 0 && lines[at - 1] == line) || (at + 1 != lines.size() && lines[at + 1] == line);
+            return "the address " + shown + " is taken by the " + (is_pair ? "pair" : "row") + " in line " +
+                   std::to_string(line);
+        }
         line = static_cast<std::uint32_t>(lines_.number());
     }
     return {};

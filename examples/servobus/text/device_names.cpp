@@ -33,6 +33,13 @@ std::string judge_name(const cell_name& n, const entry& e) {
     return {};
 }
 
+// `pulse=2` for `2=pulse`
+bool is_reversed(std::string_view place, std::string_view name) {
+    const bool is_bit = place.starts_with('b') && parse_integer(place.substr(1));
+    return !place.empty() && parse_integer(name) && !parse_integer(place) && !is_bit &&
+           place.find(':') == place.npos;
+}
+
 // `3=enable`, `b3=ready`, `0x00C0:0x0040=locked`
 std::string one_name(std::string_view part, device_row& row) {
     const bool is_bit = is_of_bits(row.table);
@@ -41,6 +48,10 @@ std::string one_name(std::string_view part, device_row& row) {
         return "names takes 3=enable, b3=ready, 0x00C0:0x0040=locked, hex or halves, not " + csv::shown(part);
     const std::string_view place = csv::trimmed(part.substr(0, equals));
     cell_name n{0xFFFF, 0, csv::trimmed(part.substr(equals + 1))};
+    if (is_reversed(place, n.name)) {
+        return "names takes CODE=name, as in " + csv::shown(std::string{n.name} + '=' + std::string{place}) +
+               ", not " + csv::shown(part);
+    }
     if (const std::size_t colon = place.find(':'); !is_bit && colon != place.npos) {
         const std::optional<std::int64_t> mask = parse_integer(place.substr(0, colon));
         const std::optional<std::int64_t> value = parse_integer(place.substr(colon + 1));

@@ -71,7 +71,10 @@ class row_reader {
         const std::string_view text = cell(map_column::address);
         const std::optional<std::int64_t> address = parse_address(text);
         if (!address || *address < 0 || *address > 0xFFFF)
-            return bad(map_column::address, "0x0000 to 0xFFFF, 8244 or 2034h");
+            return bad(map_column::address, "0x0000 to 0xFFFF, 8244 or 2034h") +
+                   (address > 0xFFFF
+                        ? "; an address is that in the frame, 0x0000 for 40001 or 400001 in a manual"
+                        : "");
         row_->entry.address = static_cast<u16>(*address);
         return {};
     }

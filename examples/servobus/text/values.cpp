@@ -40,6 +40,12 @@ bool has_name(const servobus::named_value& v, std::string_view name) {
     return true;
 }
 
+// True if a name of the bit is `on` for 0 or `off` for 1: neither word means the usual then.
+bool has_own_on_or_off(const entry& e) {
+    return std::ranges::any_of(
+        e.values, [](const servobus::named_value& v) { return has_name(v, v.value == 0 ? "on" : "off"); });
+}
+
 // A code, or several fields joined by +.
 std::optional<std::int64_t> parse_names(const entry& e, std::string_view text) {
     std::uint16_t word = 0;
@@ -260,10 +266,10 @@ std::string read_value(const entry& e, bool is_bit, std::string_view text, std::
         const std::optional<std::int64_t> content = parse_content(e, text);
         if (!content) return refuse("'" + shown + "' does not fit the register");
         count = *content;
-    } else if (is_bit && e.values.empty() && (text == "on" || text == "off")) {
-        count = text == "on" ? 1 : 0;
     } else if (const auto word = parse_names(e, text)) { // first, since a name may begin with a digit: 8N1
         count = *word;
+    } else if (is_bit && (text == "on" || text == "off") && !has_own_on_or_off(e)) {
+        count = text == "on" ? 1 : 0;
     } else if (e.names == servobus::naming::names && !is_number(text)) {
         return refuse(no_name(e, text));
     } else if (e.names == servobus::naming::halves) {

@@ -48,7 +48,8 @@ template <class N> constexpr void check_count() {
                   "part<10>(second)");
 }
 
-/// The units of measure that the manuals use, and those of a machine.
+/// The units of measure that the manuals use, those of a machine, and those of meters and sensors beside it. Only units
+/// that manuals print have a prefix; others have a multiple: `multiple<1000>(units::var)` is 1 kvar.
 enum class measure : std::uint8_t {
     none,
     r_per_min,
@@ -86,6 +87,23 @@ enum class measure : std::uint8_t {
     microradian_per_second,
     milliradian_per_second,
     radian_per_second,
+    minute,
+    hour,
+    kilowatt,
+    volt_ampere,
+    var, ///< of reactive power
+    watt_hour,
+    kilowatt_hour,
+    var_hour,
+    kilogram,
+    newton,
+    newton_metre,
+    pascal,
+    bar,
+    litre,
+    cubic_metre,
+    litre_per_minute,
+    cubic_metre_per_hour,
 };
 
 /// The symbol of a measure in ASCII, as the tool `servobus map` prints it.
@@ -127,6 +145,23 @@ constexpr const char* symbol(measure m) {
     case measure::microradian_per_second: return "urad/s";
     case measure::milliradian_per_second: return "mrad/s";
     case measure::radian_per_second: return "rad/s";
+    case measure::minute: return "min";
+    case measure::hour: return "h";
+    case measure::kilowatt: return "kW";
+    case measure::volt_ampere: return "VA";
+    case measure::var: return "var";
+    case measure::watt_hour: return "Wh";
+    case measure::kilowatt_hour: return "kWh";
+    case measure::var_hour: return "varh";
+    case measure::kilogram: return "kg";
+    case measure::newton: return "N";
+    case measure::newton_metre: return "Nm";
+    case measure::pascal: return "Pa";
+    case measure::bar: return "bar";
+    case measure::litre: return "l";
+    case measure::cubic_metre: return "m3";
+    case measure::litre_per_minute: return "l/min";
+    case measure::cubic_metre_per_hour: return "m3/h";
     }
     return "";
 }
@@ -173,12 +208,14 @@ constexpr std::int64_t common_divisor(std::int64_t a, std::int64_t b) {
     return a;
 }
 
-// Measures of one kind have a common base, such as s for times and A for currents; each is 1/n of the base.
+// Measures of one kind have a common base, such as s for times and A for currents; each is 1/n of the base, or n of it.
 constexpr measure base_of(measure m) {
     switch (m) {
     case measure::millisecond:
     case measure::microsecond:
-    case measure::nanosecond: return measure::second;
+    case measure::nanosecond:
+    case measure::minute:
+    case measure::hour: return measure::second;
     case measure::milliampere: return measure::ampere;
     case measure::millivolt: return measure::volt;
     case measure::hertz: return measure::kilohertz;
@@ -191,6 +228,10 @@ constexpr measure base_of(measure m) {
     case measure::milliradian: return measure::radian;
     case measure::microradian_per_second:
     case measure::milliradian_per_second: return measure::radian_per_second;
+    case measure::watt: return measure::kilowatt;
+    case measure::watt_hour: return measure::kilowatt_hour;
+    case measure::pascal: return measure::bar;
+    case measure::litre: return measure::cubic_metre;
     default: return m;
     }
 }
@@ -203,14 +244,22 @@ constexpr std::int64_t parts_of_base(measure m) {
     case measure::microradian:
     case measure::microradian_per_second: return 1'000'000;
     case measure::degree: return 360;
+    case measure::pascal: return 100'000;
+    case measure::minute:
+    case measure::hour: return 1;
     default: return m == base_of(m) ? 1 : 1000;
     }
+}
+constexpr std::int64_t bases_in(measure m) {
+    return m == measure::hour ? 3600 : m == measure::minute ? 60 : 1;
 }
 
 /// How many counts of `to` one count of `from` is, as a reduced fraction.
 constexpr ratio conversion(unit from, unit to) {
-    const std::int64_t n = std::int64_t{from.numerator} * to.denominator * parts_of_base(to.of);
-    const std::int64_t d = std::int64_t{from.denominator} * to.numerator * parts_of_base(from.of);
+    const std::int64_t n =
+        std::int64_t{from.numerator} * bases_in(from.of) * to.denominator * parts_of_base(to.of);
+    const std::int64_t d =
+        std::int64_t{from.denominator} * parts_of_base(from.of) * to.numerator * bases_in(to.of);
     const std::int64_t g = common_divisor(n, d);
     return {n / g, d / g};
 }
@@ -330,13 +379,17 @@ template <unit U, std::integral Rep = std::int32_t> class quantity {
     template <class Unit> constexpr std::int32_t rounded(Unit) const {
         static_assert(detail::same_kind(U, Unit::value), "the quantity is of another kind than this unit");
         constexpr detail::ratio r = detail::conversion(U, Unit::value);
-        constexpr auto n = static_cast<std::int32_t>(r.numerator);
-        constexpr auto d = static_cast<std::int32_t>(r.denominator);
-        const auto scaled = detail::saturated<std::int32_t>(detail::scaled<n>(count_));
-        const std::int32_t whole = scaled / d;
-        const std::int32_t rest = scaled % d; // rounding by the remainder cannot overflow
-        if (rest >= d - d / 2) return whole + 1;
-        return rest <= d / 2 - d ? whole - 1 : whole;
+        const auto scaled = detail::saturated<std::int32_t>(detail::scaled<r.numerator>(count_));
+        if constexpr (r.denominator > detail::highest<std::int32_t>) { // no whole one in 32 bits
+            constexpr std::int64_t half = r.denominator - r.denominator / 2;
+            return scaled >= half ? 1 : scaled <= -half ? -1 : 0;
+        } else {
+            constexpr auto d = static_cast<std::int32_t>(r.denominator);
+            const std::int32_t whole = scaled / d;
+            const std::int32_t rest = scaled % d; // rounding by the remainder cannot overflow
+            if (rest >= d - d / 2) return whole + 1;
+            return rest <= d / 2 - d ? whole - 1 : whole;
+        }
     }
 
     friend constexpr bool operator==(quantity, quantity) = default;
@@ -411,7 +464,8 @@ template <std::uint16_t N, unit U> constexpr unit_constant<N * U> multiple(unit_
 /// The unit of a register that holds a code or a plain number.
 inline constexpr unit no_unit{};
 
-/// The named units. They have their own namespace, since names such as `second` and `count` are common.
+/// The named units. They have their own namespace, since names such as `second` and `count` are common. Those of meters
+/// and sensors are in meter_units.hpp.
 namespace units {
 inline constexpr unit_constant<unit{measure::r_per_min}> r_per_min{};
 inline constexpr unit_constant<unit{measure::second}> second{};

@@ -17,6 +17,7 @@
 #include <servobus/device/zlac8015d/catalogue.hpp>
 #include <servobus/registers/block.hpp>
 #include <servobus/registers/catalogue.hpp>
+#include <servobus/registers/meter_units.hpp>
 #include <servobus/registers/register_value.hpp>
 
 namespace registers_tests {
@@ -253,6 +254,12 @@ TEST_CASE("a quantity at the ends of 32 bits is converted without wrapping") {
     CHECK((most * units::millisecond).rounded(units::second) == 2'147'484);
     CHECK((least * units::millisecond).rounded(units::second) == -2'147'484);
     CHECK((most * units::second).rounded(units::second) == most);
+    CHECK((1 * units::hour).rounded(units::microsecond) == most);
+    CHECK((-1 * units::hour).rounded(units::nanosecond) == least);
+    CHECK((1'800'000'000 * units::microsecond).rounded(units::hour) == 1);
+    CHECK((1'799'999'999 * units::microsecond).rounded(units::hour) == 0);
+    CHECK((-1'800'000'000 * units::microsecond).rounded(units::hour) == -1);
+    CHECK((most * units::nanosecond).rounded(units::hour) == 0);
     CHECK(most * units::second > most * units::millisecond);
     CHECK(least * units::second < least * units::millisecond);
 }
@@ -439,17 +446,20 @@ TEST_CASE("G32: a quantity of 64 bits in a finer unit ends at the range of its n
 
 TEST_CASE("every measure has its own symbol, and only measures of one kind are converted") {
     const auto measure_at = [](unsigned i) { return static_cast<measure>(i); };
-    constexpr unsigned count = static_cast<unsigned>(measure::radian_per_second) + 1;
+    constexpr unsigned count = static_cast<unsigned>(measure::cubic_metre_per_hour) + 1;
     const std::array<const char*, count> symbols{
-        "",     "r/min", "s",       "ms",       "ns",     "A",   "mA",     "mA/s",   "V",
-        "mV",   "ohm",   "W",       "kHz",      "Hz",     "%",   "times",  "degC",   "deg",
-        "r",    "pulse", "pulse/r", "ref_unit", "counts", "us",  "um",     "mm",     "m",
-        "um/s", "mm/s",  "m/s",     "urad",     "mrad",   "rad", "urad/s", "mrad/s", "rad/s"};
+        "",       "r/min",  "s",     "ms",  "ns",    "A",    "mA",   "mA/s",  "V",     "mV",      "ohm",
+        "W",      "kHz",    "Hz",    "%",   "times", "degC", "deg",  "r",     "pulse", "pulse/r", "ref_unit",
+        "counts", "us",     "um",    "mm",  "m",     "um/s", "mm/s", "m/s",   "urad",  "mrad",    "rad",
+        "urad/s", "mrad/s", "rad/s", "min", "h",     "kW",   "VA",   "var",   "Wh",    "kWh",     "varh",
+        "kg",     "N",      "Nm",    "Pa",  "bar",   "l",    "m3",   "l/min", "m3/h"};
     const auto kind = [](measure m) { // the first of its kind
         switch (m) {
         case measure::millisecond:
         case measure::microsecond:
-        case measure::nanosecond: return measure::second;
+        case measure::nanosecond:
+        case measure::minute:
+        case measure::hour: return measure::second;
         case measure::milliampere: return measure::ampere;
         case measure::millivolt: return measure::volt;
         case measure::hertz: return measure::kilohertz;
@@ -462,6 +472,10 @@ TEST_CASE("every measure has its own symbol, and only measures of one kind are c
         case measure::milliradian: return measure::microradian;
         case measure::radian_per_second:
         case measure::milliradian_per_second: return measure::microradian_per_second;
+        case measure::kilowatt: return measure::watt;
+        case measure::kilowatt_hour: return measure::watt_hour;
+        case measure::bar: return measure::pascal;
+        case measure::cubic_metre: return measure::litre;
         default: return m;
         }
     };
@@ -488,6 +502,13 @@ TEST_CASE("every measure has its own symbol, and only measures of one kind are c
     CHECK(worth(units::ampere / 10, units::milliampere, 100, 1));
     CHECK(worth(units::millivolt, units::volt / 100, 1, 10));
     CHECK(worth(units::kilohertz, units::hertz, 1000, 1));
+    CHECK(worth(units::hour, units::minute, 60, 1));
+    CHECK(worth(units::minute, units::millisecond, 60'000, 1));
+    CHECK(worth(units::nanosecond, units::hour, 1, 3'600'000'000'000));
+    CHECK(worth(units::kilowatt / 10, units::watt, 100, 1));
+    CHECK(worth(units::kilowatt_hour / 100, units::watt_hour, 10, 1));
+    CHECK(worth(units::bar / 1000, units::pascal, 100, 1));
+    CHECK(worth(units::cubic_metre, units::litre, 1000, 1));
     CHECK(worth(multiple<10>(units::millisecond), units::second / 50, 1, 2));
     CHECK(worth(units::revolution, units::degree, 360, 1));
     CHECK(worth(units::degree / 10, units::revolution, 1, 3600));
