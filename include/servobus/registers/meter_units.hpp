@@ -24,7 +24,7 @@ inline constexpr unit_constant<unit{measure::var_hour}> var_hour{};
 inline constexpr unit_constant<unit{measure::kilogram}> kilogram{};
 inline constexpr unit_constant<unit{measure::newton}> newton{};
 inline constexpr unit_constant<unit{measure::newton_metre}> newton_metre{};
-inline constexpr unit_constant<unit{measure::pascal}> pascal{};
+inline constexpr unit_constant<unit{measure::pascals}> pascals{};
 inline constexpr unit_constant<unit{measure::bar}> bar{};
 inline constexpr unit_constant<unit{measure::litre}> litre{};
 inline constexpr unit_constant<unit{measure::cubic_metre}> cubic_metre{};

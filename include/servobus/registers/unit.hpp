@@ -98,7 +98,7 @@ enum class measure : std::uint8_t {
     kilogram,
     newton,
     newton_metre,
-    pascal,
+    pascals, ///< `pascal` is a macro of <windows.h>
     bar,
     litre,
     cubic_metre,
@@ -156,7 +156,7 @@ constexpr const char* symbol(measure m) {
     case measure::kilogram: return "kg";
     case measure::newton: return "N";
     case measure::newton_metre: return "Nm";
-    case measure::pascal: return "Pa";
+    case measure::pascals: return "Pa";
     case measure::bar: return "bar";
     case measure::litre: return "l";
     case measure::cubic_metre: return "m3";
@@ -230,7 +230,7 @@ constexpr measure base_of(measure m) {
     case measure::milliradian_per_second: return measure::radian_per_second;
     case measure::watt: return measure::kilowatt;
     case measure::watt_hour: return measure::kilowatt_hour;
-    case measure::pascal: return measure::bar;
+    case measure::pascals: return measure::bar;
     case measure::litre: return measure::cubic_metre;
     default: return m;
     }
@@ -244,7 +244,7 @@ constexpr std::int64_t parts_of_base(measure m) {
     case measure::microradian:
     case measure::microradian_per_second: return 1'000'000;
     case measure::degree: return 360;
-    case measure::pascal: return 100'000;
+    case measure::pascals: return 100'000;
     case measure::minute:
     case measure::hour: return 1;
     default: return m == base_of(m) ? 1 : 1000;

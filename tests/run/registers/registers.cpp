@@ -474,7 +474,7 @@ TEST_CASE("every measure has its own symbol, and only measures of one kind are c
         case measure::milliradian_per_second: return measure::microradian_per_second;
         case measure::kilowatt: return measure::watt;
         case measure::kilowatt_hour: return measure::watt_hour;
-        case measure::bar: return measure::pascal;
+        case measure::bar: return measure::pascals;
         case measure::cubic_metre: return measure::litre;
         default: return m;
         }
@@ -507,7 +507,7 @@ TEST_CASE("every measure has its own symbol, and only measures of one kind are c
     CHECK(worth(units::nanosecond, units::hour, 1, 3'600'000'000'000));
     CHECK(worth(units::kilowatt / 10, units::watt, 100, 1));
     CHECK(worth(units::kilowatt_hour / 100, units::watt_hour, 10, 1));
-    CHECK(worth(units::bar / 1000, units::pascal, 100, 1));
+    CHECK(worth(units::bar / 1000, units::pascals, 100, 1));
     CHECK(worth(units::cubic_metre, units::litre, 1000, 1));
     CHECK(worth(multiple<10>(units::millisecond), units::second / 50, 1, 2));
     CHECK(worth(units::revolution, units::degree, 360, 1));
