@@ -161,6 +161,16 @@ TEST_CASE("G21: however another client of the line writes the resolution, no spe
     CHECK(played == 2 * std::size(ways));
 }
 
+TEST_CASE("G21: a parameter that is refused changes nothing, and no settings become stale") {
+    rig r;
+    REQUIRE(r.drive.run(init{}));
+    REQUIRE(r.drive.run(zlac8015d::enable{}));
+    const std::size_t frames = r.log.frames.size();
+    CHECK(r.drive.begin(zlac8015d::set<zlac8015d::max_motor_speed>{500 * r_per_min}) == errc::wrong_state);
+    CHECK(r.log.frames.size() == frames);
+    CHECK(r.drive.state() == drive_state::enabled);
+}
+
 TEST_CASE("G21: each register that is listed, and no other, makes the settings of a facade stale") {
     unsigned stale = 0;
     const auto play = [&stale](auto& r, auto& other, auto& drive, u16 address) {

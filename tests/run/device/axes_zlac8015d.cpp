@@ -143,6 +143,7 @@ TEST_CASE("a belt whose speed is not commanded any more stops, and one that is t
     live(3000);
     CHECK(r.model.stands_still());                                             // the command timeout of 5 s
     CHECK(r.belts.left().begin(travel_at{100_m_per_s}) == errc::out_of_range); // 50 000 r/min
+    CHECK(r.belts.left().begin(travel_at{-100_m_per_s}) == errc::out_of_range);
     r.wire.set_connected(0, false);
     CHECK_FALSE(r.belts.left().run(travel_at{100_mm_per_s}));
 }

@@ -260,6 +260,7 @@ TEST_CASE("the drive's side of a pseudo-terminal knows the rate that the program
         REQUIRE(program.open(drive.path(), {.baud = baud}) == errc::ok);
         CHECK(drive.baud() == baud);
     }
+    CHECK(servobus::posix::detail::speed_of(-1) == 0); // no port
 }
 
 TEST_CASE("a port is open for one program at a time") {
