@@ -67,7 +67,7 @@ template <bool HasEncoder> void probe_yako(probe_bench& on, findings& found) {
 }
 
 // What both have in common.
-known_drive yako(const servobus::catalogue& map, int (&simulate)(const simulation&)) {
+known_drive stepper(const servobus::catalogue& map, int (&simulate)(const simulation&)) {
     return {.map = map,
             .simulate = simulate,
             .alarms = yako_alarms,
@@ -80,22 +80,22 @@ known_drive yako(const servobus::catalogue& map, int (&simulate)(const simulatio
             .node_register = servobus::yako::node_address.address,
             .has_watchdog = false};
 }
-known_drive closed_loop() {
-    known_drive d = yako(servobus::yako::closed_loop::catalogue, simulate_yako_closed_loop);
+known_drive closed_loop_stepper() {
+    known_drive d = stepper(servobus::yako::closed_loop::catalogue, simulate_yako_closed_loop);
     d.probe = probe_yako<true>;
     d.turning = yako_turning;
     d.examination = &diagnosis::yako_closed_loop_examination;
     return d;
 }
-known_drive open_loop() {
-    known_drive d = yako(servobus::yako::open_loop::catalogue, simulate_yako_open_loop);
+known_drive open_loop_stepper() {
+    known_drive d = stepper(servobus::yako::open_loop::catalogue, simulate_yako_open_loop);
     d.probe = probe_yako<false>;
     d.examination = &diagnosis::yako_open_loop_examination;
     return d;
 }
 
-const registered_drive of_yako_closed_loop{closed_loop()};
-const registered_drive of_yako_open_loop{open_loop()};
+const registered_drive of_yako_closed_loop{closed_loop_stepper()};
+const registered_drive of_yako_open_loop{open_loop_stepper()};
 
 } // namespace
 } // namespace tool

@@ -25,7 +25,7 @@ namespace {
 
 constexpr named_value valve_names[] = {code(0, "shut"), code(1, "open")};
 
-constexpr entry bit(u16 address, const char* name, access rights, range limits = {0, 1, false},
+constexpr entry bit(u16 address, const char* name, servobus::access rights, range limits = {0, 1, false},
                     std::span<const named_value> values = {}) {
     const naming how = values.empty() ? naming::number : naming::names;
     return {address, name,  value_kind::unsigned_word, rights, limits, no_default, no_unit, flag::none,
@@ -33,12 +33,12 @@ constexpr entry bit(u16 address, const char* name, access rights, range limits =
 }
 
 constexpr entry coils[] = {
-    bit(0x0003, "valve", access::rw, {0, 1, false}, valve_names),
-    bit(0x0004, "pump", access::rw),
-    bit(0x0010, "lamp", access::ro),
-    bit(0x0011, "reset", access::wo, {1, 1}),
+    bit(0x0003, "valve", servobus::access::rw, {0, 1, false}, valve_names),
+    bit(0x0004, "pump", servobus::access::rw),
+    bit(0x0010, "lamp", servobus::access::ro),
+    bit(0x0011, "reset", servobus::access::wo, {1, 1}),
 };
-constexpr entry discrete_inputs[] = {bit(0x0003, "is_full", access::ro)};
+constexpr entry discrete_inputs[] = {bit(0x0003, "is_full", servobus::access::ro)};
 constexpr entry input_registers[] = {
     list("level", tank::level),
     list("temperature", tank::temperature),
@@ -52,8 +52,14 @@ constexpr entry holding_registers[] = {
 // Word order 1, the low word first, is the factory's; no input register sets it.
 constexpr profile facts{
     .name = "tank", .word_order = servobus::word_order::unknown, .word_order_register = 0x0001};
-constexpr entry with_word_order[] = {
-    {0x0001, "pair_word_order", value_kind::unsigned_word, access::rw, {0, 1}, 1, no_unit, flag::none}};
+constexpr entry with_word_order[] = {{0x0001,
+                                      "pair_word_order",
+                                      value_kind::unsigned_word,
+                                      servobus::access::rw,
+                                      {0, 1},
+                                      1,
+                                      no_unit,
+                                      flag::none}};
 
 constexpr catalogue of_holding{&tank::device::facts, holding_registers};
 constexpr catalogue of_coils{&tank::device::facts, coils};
