@@ -4,7 +4,6 @@
 // Any bytes as a file that describes a device, as the tool reads it. A file is refused with its line, in a line of plain
 // text; or its registers are in order and do not contradict themselves, and its map as a file is the same map again.
 #include <algorithm>
-#include <charconv>
 #include <cstdint>
 #include <memory>
 #include <string>
@@ -20,6 +19,7 @@
 #include "../examples/servobus/text/map_text.cpp"
 #include "../examples/servobus/text/nearest.cpp"
 #include "../examples/servobus/text/numbers.cpp"
+#include "refused_file.hpp"
 #include "support.hpp"
 
 using fuzz::require;
@@ -34,17 +34,6 @@ std::string map_of(const tool::device_file& file) {
             text += tool::map_row(e, *rows.device, rows.sentence(e.address), t) + '\n';
     }
     return text;
-}
-
-void judge_refusal(std::string_view why, std::string_view text) {
-    std::size_t line = 0;
-    const auto [end, error] = std::from_chars(why.data(), why.data() + why.size(), line);
-    require(error == std::errc{} && std::string_view{end, why.data() + why.size()}.substr(0, 2) == ": ",
-            "a refusal begins with a line");
-    const auto ends = static_cast<std::size_t>(std::ranges::count(text, '\n'));
-    require(line >= 1 && line <= ends + 1, "the line is one of the file");
-    require(why.size() < 1000, "a refusal is short");
-    require(std::ranges::all_of(why, [](char c) { return c >= ' ' && c <= '~'; }), "a refusal is plain text");
 }
 
 void judge_row(const servobus::entry& e) {
@@ -67,7 +56,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     const auto file = std::make_unique<tool::device_file>();
     const std::string why = file->parse("device.csv", text);
     if (!why.empty()) {
-        judge_refusal(why, text);
+        fuzz::judge_refusal(why, text);
         return 0;
     }
     std::size_t count = 0;

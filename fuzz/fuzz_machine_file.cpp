@@ -5,7 +5,6 @@
 // of plain text, and the readers themselves print nothing; or what it says is of its drives' maps and ranges, without a
 // contradiction, and the same file written plainly says the same.
 #include <algorithm>
-#include <charconv>
 #include <cstdint>
 #include <string>
 #include <string_view>
@@ -25,6 +24,7 @@
 #include "../examples/servobus/text/numbers.cpp"
 #include "../examples/servobus/text/raw.cpp"
 #include "../examples/servobus/text/values.cpp"
+#include "refused_file.hpp"
 #include "support.hpp"
 
 using fuzz::require;
@@ -66,17 +66,6 @@ int complain(int, const std::string&) {
 } // namespace tool
 
 namespace {
-
-void judge_refusal(std::string_view why, std::string_view text) {
-    std::size_t line = 0;
-    const auto [end, error] = std::from_chars(why.data(), why.data() + why.size(), line);
-    require(error == std::errc{} && std::string_view{end, why.data() + why.size()}.substr(0, 2) == ": ",
-            "a refusal begins with a line");
-    const auto ends = static_cast<std::size_t>(std::ranges::count(text, '\n'));
-    require(line >= 1 && line <= ends + 1, "the line is one of the file");
-    require(why.size() < 1000, "a refusal is short");
-    require(std::ranges::all_of(why, [](char c) { return c >= ' ' && c <= '~'; }), "a refusal is plain text");
-}
 
 // The same file without comments, units and names.
 std::string plain(const tool::machine_file& file) {
@@ -136,7 +125,7 @@ bool is_same(const tool::machine_file& a, const tool::machine_file& b) {
 void judge_machine(std::string_view text) {
     tool::machine_file file;
     const std::string why = file.parse("machines/press.txt", text);
-    if (!why.empty()) return judge_refusal(why, text);
+    if (!why.empty()) return fuzz::judge_refusal(why, text);
     require(!file.sections().empty(), "a machine has a drive");
     for (const tool::machine_section& s : file.sections()) judge_section(s, file);
     tool::machine_file again;
@@ -147,7 +136,7 @@ void judge_machine(std::string_view text) {
 void judge_findings(std::string_view text) {
     tool::findings found{open_places};
     const std::string why = tool::parse_findings(found, "zlac8015d", text);
-    if (!why.empty()) return judge_refusal(why, text);
+    if (!why.empty()) return fuzz::judge_refusal(why, text);
     tool::findings again{open_places};
     const std::string written = tool::findings_head(found, "zlac8015d") + tool::finding_lines(found);
     require(tool::parse_findings(again, "zlac8015d", written).empty(), "written findings are a file");
