@@ -152,7 +152,7 @@ def named_commands(tool: Doctor, table: str, device: str):
 
 @scene(*[(device,) for device in FOUND])
 def only_reads(tool: Doctor, device: str):
-    """Every request of doctor is a read: a listener on the line hears no other."""
+    """Every request of doctor is a read: a listener on the line receives no other."""
     with tool.simulated(device):
         tap = TappedLine.relay(tool.folder / "tap", tool.folder / "client", tool.folder / "drive")
         listener = tool.start(f"listen tap {device} --log capture --timeout 2000")

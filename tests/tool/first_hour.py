@@ -88,7 +88,7 @@ def ordered(words: list[str], targets: dict[str, str]):
 
 @scene()
 def from_the_carton(tool: Tool):
-    """A ZLAC8015D as from the factory, whose stop input somebody has inverted, and a stepper; another program is the
+    """A ZLAC8015D as from the factory, whose stop input was inverted, and a stepper; another program is the
     person's hand."""
     tool.write("machine.txt", machine_file())
     tool.write("wheels.csv", WHEELS)

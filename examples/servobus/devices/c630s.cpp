@@ -9,6 +9,7 @@
 #include <servobus/device/c630s/advice.hpp>
 #include <servobus/device/c630s/assignments.hpp>
 #include <servobus/device/c630s/catalogue.hpp>
+#include <servobus/device/c630s/model.hpp>
 #include <servobus/device/c630s/registers.hpp>
 
 #include "../doctor/c630s.hpp"
@@ -131,7 +132,7 @@ const registered_drive of_c630s{{.map = servobus::c630s::catalogue,
                                  .on_line = &servobus::c630s::device::on_line,
                                  .node_register = servobus::c630s::node_address.address,
                                  .examination = &diagnosis::c630s_examination,
-                                 .has_watchdog = false}};
+                                 .has_watchdog = servobus::c630s::model::traits.stops_without_line}};
 
 } // namespace
 } // namespace tool

@@ -9,6 +9,7 @@
 #include <servobus/device/yako/closed_loop_catalogue.hpp>
 #include <servobus/device/yako/common.hpp>
 #include <servobus/device/yako/feedback.hpp>
+#include <servobus/device/yako/model.hpp>
 #include <servobus/device/yako/open_loop_catalogue.hpp>
 
 #include "../doctor/yako.hpp"
@@ -66,7 +67,8 @@ template <bool HasEncoder> void probe_yako(probe_bench& on, findings& found) {
     yako_probe{on, found, HasEncoder}.run();
 }
 
-// What both have in common.
+// Makes the row of a stepper with what both have in common.
+template <class Device>
 known_drive stepper(const servobus::catalogue& map, int (&simulate)(const simulation&)) {
     return {.map = map,
             .simulate = simulate,
@@ -78,17 +80,19 @@ known_drive stepper(const servobus::catalogue& map, int (&simulate)(const simula
             .version_register = servobus::yako::drive_version.address,
             .on_line = &servobus::yako::device::on_line,
             .node_register = servobus::yako::node_address.address,
-            .has_watchdog = false};
+            .has_watchdog = servobus::yako::model<Device>::traits.stops_without_line};
 }
 known_drive closed_loop_stepper() {
-    known_drive d = stepper(servobus::yako::closed_loop::catalogue, simulate_yako_closed_loop);
+    known_drive d = stepper<servobus::yako::closed_loop::device>(servobus::yako::closed_loop::catalogue,
+                                                                 simulate_yako_closed_loop);
     d.probe = probe_yako<true>;
     d.turning = yako_turning;
     d.examination = &diagnosis::yako_closed_loop_examination;
     return d;
 }
 known_drive open_loop_stepper() {
-    known_drive d = stepper(servobus::yako::open_loop::catalogue, simulate_yako_open_loop);
+    known_drive d = stepper<servobus::yako::open_loop::device>(servobus::yako::open_loop::catalogue,
+                                                               simulate_yako_open_loop);
     d.probe = probe_yako<false>;
     d.examination = &diagnosis::yako_open_loop_examination;
     return d;

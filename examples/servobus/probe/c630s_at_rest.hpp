@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// What a C630S shows at rest: without power on the motor, and without consent.
+// Settles what a C630S shows at rest: without power on the motor, and without consent.
 #pragma once
 
 #include <cstdint>

@@ -1,7 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// What a C630S shows while a virtual input enables it: in speed mode, then in position mode. It turns at 20 r/min at most.
+// Settles what a C630S shows while a virtual input enables it: in speed mode, then in position mode. It turns at 20 r/min
+// at most.
 #pragma once
 
 #include <cstdint>
@@ -131,7 +132,7 @@ class c630s_enabled : public c630s_at_rest {
         if (is_near(unit * few)) found("gear_keeps_rest", false);
         if (is_near(kept)) found("gear_keeps_rest", true);
     }
-    // What these starts turn in all.
+    // Returns the counts that these starts turn in all.
     std::int32_t counts_of(std::int32_t displacement, int times) {
         namespace c = servobus::c630s;
         set_pair(c::position_segment_displacements[0], displacement);

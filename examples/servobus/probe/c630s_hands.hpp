@@ -1,8 +1,7 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// What the steps of a C630S's probe are made of: its registers, virtual terminals that enable and start it, and how it is
-// made safe.
+// Handles a C630S for the steps of its probe: sets registers, enables and starts it by virtual terminals, makes it safe.
 #pragma once
 
 #include <cstdint>
@@ -49,7 +48,7 @@ class c630s_hands : public probe_steps {
         return write_number(row.address, value);
     }
     std::int32_t read_number(const auto& row) { return probe_steps::read_number(row.address); }
-    // Whether what is written is kept over a power cycle.
+    // Decides whether what is written is kept over a power cycle.
     void keep(bool is_so) { (void)on_->write(servobus::c630s::eeprom_update.address, is_so ? 1 : 0); }
 
     // --- What the steps are made of
@@ -57,7 +56,7 @@ class c630s_hands : public probe_steps {
     bool shows(unsigned output) {
         return (on_->read(servobus::c630s::virtual_output_levels.address) >> output & 1u) != 0;
     }
-    // On a virtual output or, where only the first of several shows it, on a wired one.
+    // Looks at a virtual output or, where only the first of several shows it, at a wired one.
     bool shows(out function, unsigned output) {
         namespace c = servobus::c630s;
         if (shows(output)) return true;
@@ -83,7 +82,7 @@ class c630s_hands : public probe_steps {
         on_->write_safely(servobus::c630s::emergency_stop.address, 0);
         (void)stands();
     }
-    // Not enabled, at standstill.
+    // Leaves it not enabled, at standstill.
     void servo_off() {
         inputs(0);
         (void)stands();

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// What a probe finds in the registers that it changes, so that they hold it again at the end.
+// Notes what registers hold before a probe changes them, and gives it back at the end.
 #pragma once
 
 #include <algorithm>

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// What the steps of every drive's probe are made of: it waits for a reading, and notes what it found.
+// Serves the steps of every drive's probe: waits for a reading, reads and writes numbers, notes what was found.
 #pragma once
 
 #include <array>
@@ -48,7 +48,7 @@ class probe_steps {
         const servobus::word_pair words = servobus::split_words(static_cast<std::uint32_t>(value), order_);
         return on_->write_pair(address, {words.first, words.second});
     }
-    /// Of a register that is 1 for the low word first.
+    /// Reads the register that is 1 for the low word first.
     void note_order(u16 address) {
         order_ = on_->read(address) != 0 ? servobus::word_order::low_first : servobus::word_order::high_first;
     }

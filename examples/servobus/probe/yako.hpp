@@ -77,7 +77,7 @@ class yako_probe : yako_motions {
 
     // --- Power cycles
 
-    // What is kept: a row without S, a setting of the line, a row with S that was saved while the motor moved.
+    // Settles what is kept: a row without S, a setting of the line, a row with S that was saved while the motor moved.
     void after_power_cycles() {
         namespace y = servobus::yako;
         enable();

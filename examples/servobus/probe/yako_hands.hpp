@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// What the steps of a stepper's probe are made of: its registers, its commands, and how it is made safe.
+// Handles a stepper for the steps of its probe: sets registers, commands it, makes it safe.
 #pragma once
 
 #include <cstdint>
@@ -44,7 +44,7 @@ class yako_hands : public probe_steps {
         old_.note_pair(y::target_position.address);
         note_order(y::pair_word_order.address);
     }
-    // What every motion here runs with.
+    // Sets the speeds and ramps of every motion here.
     void go_slowly() {
         namespace y = servobus::yako;
         namespace c = servobus::yako::closed_loop;

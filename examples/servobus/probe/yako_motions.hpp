@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// What a stepper shows while it moves: less than a turn, at 20 r/min at most.
+// Settles what a stepper shows while it moves: less than a turn, at 20 r/min at most.
 #pragma once
 
 #include <cstdint>
@@ -15,7 +15,7 @@ class yako_motions : public yako_hands {
   protected:
     using yako_hands::yako_hands;
 
-    // Bit 1 while the offset behind home is moved; only of a drive that was not homed before.
+    // Reads bit 1 while the motor moves from home to the offset; only of a drive that was not homed before.
     void homed_at_an_offset() {
         namespace y = servobus::yako;
         enable();
