@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Which functions of a C630S's inputs are active, by which of them, and which of them two inputs have. Source: manual V24.111,
-// sections 6.4, 7.3 and 7.16.
+// Finds the inputs of a C630S whose function is active, and functions that two inputs have.
+// Source: manual V24.111, sections 6.4, 7.3 and 7.16.
 #pragma once
 
 #include <servobus/device/c630s/registers.hpp>

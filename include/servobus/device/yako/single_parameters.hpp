@@ -99,10 +99,10 @@ template <const auto& R> constexpr prepared_command plan(const keep<R>&, const c
     return {.steps = no_steps};
 }
 
-/// Sets the pulses of a turn, 0011h, 400..51200; while the motor is free and stands. **Each position is another number then**: the
-/// state is `needs_init`, and `init` takes the drive over with the new number; home the axis, or declare its position.
-/// What segments and limits hold stays a number of pulses. A drive that moves an axis compares the number with its
-/// geometry at `init` (`unexpected_value`).
+/// Sets the pulses of a turn, 0011h, 400..51200; while the motor is free and stands. **Each position is another number
+/// then**: the state is `needs_init`, and `init` takes the drive over with the new number; home the axis, or declare its
+/// position. What segments and limits hold stays a number of pulses. A drive that moves an axis compares the number with
+/// its geometry at `init` (`unexpected_value`).
 struct set_microsteps {
     register_value<microstep_resolution> pulses;
     constexpr prepared_command plan(const cached_settings& cached) const {
