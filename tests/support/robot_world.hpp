@@ -5,6 +5,7 @@
 // place is noted whenever the drive gives its positions away, so a pose is compared with what it was made of.
 #pragma once
 
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <deque>
@@ -78,9 +79,15 @@ class observed_drive : public servobus::sim::zlac8015d {
     void follow() { reckoning_.follow(left().position, right().position); }
     const place& at() const { return reckoning_.at(); }
     const std::deque<given_place>& given() const { return given_; }
+    /// A place in each millisecond of the last 512.
+    const std::array<given_place, 512>& places() const { return places_; }
     void advance(servobus::instant now) {
         now_ = now;
         servobus::sim::zlac8015d::advance(now);
+        given_place& in_this_ms = places_[now.us / 1000 % places_.size()];
+        if (in_this_ms.us / 1000 == now.us / 1000) return;
+        follow();
+        in_this_ms = {reckoning_.at(), now.us};
     }
 
   private:
@@ -92,6 +99,7 @@ class observed_drive : public servobus::sim::zlac8015d {
 
     dead_reckoning reckoning_;
     std::deque<given_place> given_;
+    std::array<given_place, 512> places_{};
     servobus::instant now_{};
 };
 
@@ -107,8 +115,10 @@ struct world {
           servobus::sim::zlac8015d_options options = {},
           const servobus::supervision& by = {.feedback = servobus::milliseconds(20),
                                              .command_timeout = servobus::milliseconds(400)},
-          std::uint64_t seed = 1)
-        : drive{of, options}, wire{115200, seed}, robot{line, 1, base, by} {
+          std::uint64_t seed = 1,
+          const servobus::node<servobus::zlac8015d::device>& at =
+              servobus::node<servobus::zlac8015d::device>{1})
+        : drive{of, options}, wire{115200, seed}, robot{line, at, base, by} {
         wire.attach(station);
     }
     /// Lets time pass in steps in which a wheel hardly turns.
@@ -143,15 +153,22 @@ inline long double distance(const servobus::plane_pose& p, const place& at, cons
     const long double off = std::remainder(heading, turn) * of.track / 2;
     return std::sqrt(x * x + y * y + off * off);
 }
-/// From the nearest of the places that the drive has given away in response to a request of the pose's time.
-inline long double distance(const servobus::plane_pose& p, const world& w, const machine& of) {
+/// From the nearest of some places that were reached at most 60 ms after the pose's time, over a wrap of the clock too.
+template <class Places>
+long double least_distance(const servobus::plane_pose& p, const Places& places, const machine& of) {
     long double least = 1e9L;
-    for (const given_place& g : w.drive.given()) {
-        if (g.us - p.time.us > 60'000) continue; // us, over a wrap of the clock too
+    for (const given_place& g : places) {
+        if (g.us - p.time.us > 60'000) continue;
         const long double d = distance(p, g.at, of);
         least = d < least ? d : least;
     }
     return least;
+}
+/// From the nearest of the places that the drive has given away in response to a request of the pose's time. Where it gave
+/// none, as for a response that was late enough to be taken for the next one: from where the robot was.
+inline long double distance(const servobus::plane_pose& p, const world& w, const machine& of) {
+    const long double given = least_distance(p, w.drive.given(), of);
+    return given < 1e9L ? given : least_distance(p, w.drive.places(), of);
 }
 /// Tells the robot where it is.
 inline void tell(world& w, const place& at) {

@@ -25,11 +25,12 @@ namespace servobus {
 
 /// Adds up the steps of two wheels. The heading depends on the net counts of the wheels only.
 ///
-/// A step is what a wheel moves between two updates. It is not added, and the pose is not continuous from then on, where it
-/// tells too little of the path: a step of more than 8.3 m or 2^20 counts, one that turns the axle by more than 0.4 rad, one
-/// of more than 100 ms whose way times turn is more than 1 mm rad, since its path may end 0.25 mm beside the arc, and one of
-/// more than 500 ms whose way is more than 1 mm; of these two `expect_arc` can know more. A drive that has restarted is found
-/// so only if its position differs by so much. Who knows of a restart calls `restart`.
+/// A step is what a wheel moves between two updates. Its path is taken as an arc. A step whose path is not known is not added,
+/// and the pose is not continuous from then on:
+/// - more than 8.3 m or 2^20 counts of a wheel, or a turn of more than 0.4 rad
+/// - more than 100 ms with a way of more than 1 mm or a turn of more than 1.5 mrad, unless `expect_arc` was called
+///
+/// A restart of the drive is found only by such a step. A program that knows of one calls `restart`.
 ///
 /// Error of the arithmetic in a kilometre of steps of up to 0.05 rad: 20 um and 1e-9 rad, with counts of 0.4 um and more.
 class odometry {
@@ -67,8 +68,27 @@ class odometry {
         rest_ = 0;
     }
 
-    /// Says that the wheels have turned steadily until `now`: their way is an arc, however long the next step has taken.
+    /// States that the path until `now` is near an arc, however long the next step has taken.
     constexpr void expect_arc(instant now) { pose_.time = now; }
+    /// True if the path of a step ends within 0.75 mm of its arc. A bow is the distance of a wheel from a steady way, as a mean
+    /// over the time of the step; `farthest` is the longest way that a wheel has made. All are counts, 0 and more.
+    constexpr bool is_near_arc(std::int32_t left_bow, std::int32_t right_bow, std::int32_t left_farthest,
+                               std::int32_t right_farthest) const {
+        const detail::axle_ratios& of = axle_->ratios();
+        const auto most = static_cast<std::int32_t>(of.most_counts);
+        if (left_bow > most || right_bow > most || left_farthest > most || right_farthest > most)
+            return false;
+        // The heading is wrong by as much as both bows turn the axle, all along the longer of both ways.
+        const std::int64_t turned = left_bow * (magnitude(static_cast<std::int64_t>(of.left_turn)) >> 24) +
+                                    right_bow * (magnitude(static_cast<std::int64_t>(of.right_turn)) >> 24);
+        const std::int64_t left = left_farthest * magnitude(of.left_arc);
+        const std::int64_t right = right_farthest * magnitude(of.right_arc);
+        const auto way = static_cast<std::int32_t>((left < right ? right : left) >> 31); // 2^-8 um
+        const std::int64_t theta = turned >> 8;                                          // 2^-32 turn
+        constexpr std::uint32_t most_beside = 30'557; // 0.75 mm rad, in 2^-8 um turn
+        return theta < 1 << 30 &&
+               !detail::is_beyond(detail::high_product(way, static_cast<std::int32_t>(theta)), most_beside);
+    }
 
     /// Adds the steps to these positions, which were read at `now`. The first update, without a `start`, adds none.
     /// If the step is not added, the pose stays where it was and is not continuous. Returns `is_continuous`.
@@ -107,7 +127,7 @@ class odometry {
         // The arc in 2^-8 um; what is below goes into the next step.
         const std::int64_t arc = left_arc + right_arc + rest_;
         auto way = static_cast<std::int32_t>(arc >> 32);
-        if (took > milliseconds(100) && is_doubtful(way, theta, took)) return false;
+        if (took > milliseconds(100) && is_long(way, theta)) return false;
         rest_ = static_cast<std::uint32_t>(arc);
         const auto half = static_cast<std::uint64_t>(static_cast<std::int64_t>(turned) >> 1);
         const detail::unit_vector at =
@@ -123,11 +143,11 @@ class odometry {
         return true;
     }
 
-    // More than 1 mm rad, in 2^-8 um turn; or more than 1 mm.
-    static constexpr bool is_doubtful(std::int32_t way, std::int32_t theta, duration took) {
-        return detail::is_beyond(detail::high_product(way, theta << 13), 40'743) ||
-               (took > milliseconds(500) && detail::is_beyond(way, 256'000));
+    // A way of more than 1 mm, in 2^-8 um, or a turn of more than 1/4096, in 2^-19.
+    static constexpr bool is_long(std::int32_t way, std::int32_t theta) {
+        return detail::is_beyond(way, 256'000) || detail::is_beyond(theta, 128);
     }
+    static constexpr std::int64_t magnitude(std::int64_t v) { return v < 0 ? -v : v; }
     // Wraps 549 km from the origin.
     static constexpr std::int64_t moved(std::int64_t from, std::int64_t by) {
         return static_cast<std::int64_t>(static_cast<std::uint64_t>(from) + static_cast<std::uint64_t>(by));

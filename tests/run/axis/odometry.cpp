@@ -94,6 +94,55 @@ TEST_CASE("start keeps the pose, restart says that it is not continuous") {
     CHECK(o.pose().y_mm() == 163_mm);
 }
 
+TEST_CASE("a step of more than 100 ms is added up to 1 mm and 1.5 mrad") {
+    // 25 counts are 0.995 mm, 26 counts 1.035 mm; in place 9 counts of each wheel are 1.43 mrad, 10 counts 1.59 mrad.
+    struct example {
+        uint32_t left, right;
+        std::uint32_t ms;
+        bool is_added;
+    };
+    constexpr example examples[] = {
+        {25, 0u - 25, 3000, true}, {26, 0u - 26, 100, true},
+        {26, 0u - 26, 101, false}, {0u - 26, 26, 101, false},
+        {9, 9, 3000, true},        {10, 10, 100, true},
+        {10, 10, 101, false},      {0u - 10, 0u - 10, 101, false},
+        {20, 0, 101, false},       {0, 20, 101, false},
+    };
+    for (const example& e : examples) {
+        CAPTURE(e.left);
+        CAPTURE(e.right);
+        odometry o = started();
+        CHECK(o.update(e.left, e.right, instant{e.ms * 1000}) == e.is_added);
+    }
+}
+
+TEST_CASE("a path is near its arc if both bows turn the axle by little along the longer way") {
+    std::mt19937 random{62};
+    unsigned near = 0, all = 0;
+    for (const axle* on : {&base, &uneven}) {
+        const axis_paths::lengths of = axis_paths::lengths_of(*on);
+        const odometry o{*on};
+        const auto size = [](number length) { return length < 0 ? -length : length; };
+        for (int i = 0; i < 50'000; ++i) {
+            const auto any = [&] { return static_cast<int32_t>(random() % (1u << random() % 21)); };
+            const int32_t bows[] = {any(), any()}, ways[] = {any(), any()};
+            const number turned = (bows[0] * size(of.left_count) + bows[1] * size(of.right_count)) / of.track;
+            const number left = ways[0] * size(of.left_count), right = ways[1] * size(of.right_count);
+            const number beside = turned * (left < right ? right : left); // um
+            const bool is_near = o.is_near_arc(bows[0], bows[1], ways[0], ways[1]);
+            CAPTURE(bows[0]);
+            CAPTURE(ways[0]);
+            const bool is_short = ways[0] < 190'000 && ways[1] < 190'000 && turned < 1;
+            if (is_short && beside < 745) CHECK(is_near);
+            if (beside > 755) CHECK_FALSE(is_near);
+            near += is_near;
+            ++all;
+        }
+    }
+    CHECK(near > all / 10);
+    CHECK(near < all - all / 10);
+}
+
 TEST_CASE("a way that is known to be an arc is added, however long it took") {
     for (const bool is_known : {false, true}) {
         odometry o = started();

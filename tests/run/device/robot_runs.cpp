@@ -1,9 +1,10 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// A robot's pose in 10 000 random runs: twists, blocking calls, stops, restarts of the drive at every moment, lost frames, a
-// lost port, cleared positions, programs that stall. A pose that calls itself continuous is at most 1 mm from where the
-// simulated wheels have carried the robot; a fault that never happened is no test.
+// A robot's pose in 10 000 random runs: twists, paths that bend both ways, blocking calls, stops, restarts of the drive at
+// every moment and what the program does first after them, lost and late frames, a lost port, cleared positions, programs that
+// stall. A pose that calls itself continuous is at most 1 mm from where the simulated wheels have carried the robot; each kind
+// of event is counted and has a floor.
 #include <cstddef>
 #include <cstdint>
 #include <string>
@@ -39,6 +40,7 @@ struct counts {
     std::size_t restarts = 0, moving = 0, near_zero = 0, dark = 0, losses = 0, ports = 0, clearings = 0,
                 stalls = 0;
     std::size_t blocking = 0, stops = 0, inits = 0, faults = 0, breaks = 0;
+    std::size_t paths = 0, gaps = 0, late = 0, twice = 0, first[5] = {}, prompt = 0, steep = 0;
     long double worst = 0;
 };
 
@@ -46,8 +48,8 @@ class run {
   public:
     run(std::uint64_t seed, counts& played)
         : random_{seed}, played_{played}, machine_{machines[seed % 2]}, w_{machine_.is, machine_.said,
-                                                                           options(), supervision_of(),
-                                                                           seed} {}
+                                                                           options(),   supervision_of(),
+                                                                           seed,        node_of()} {}
 
     /// How far the worst continuous pose was from the truth, mm.
     long double play() {
@@ -67,6 +69,12 @@ class run {
     }
     supervision supervision_of() {
         return {.feedback = milliseconds(one_in(4) ? 50 : 20), .command_timeout = milliseconds(400)};
+    }
+    node<zlac8015d::device> node_of() {
+        const node<zlac8015d::device> at{1};
+        if (one_in(2)) return at;
+        ++played_.prompt;
+        return prompt(at);
     }
     bool one_in(std::uint32_t n) { return random_.below(n) == 0; }
     std::int32_t any(std::int32_t most) {
@@ -110,7 +118,9 @@ class run {
     void learn_place() {
         if (w_.robot.pose().is_continuous && is_told_) return;
         if (!block(read_feedback{})) return;
+        // A response that was late enough is taken for the one to this request: where the robot is, is not known then.
         if (w_.drive.given().empty()) return;
+        if (w_.drive.given().back().us - w_.robot.pose().time.us > 60'000) return;
         robots::tell(w_, w_.drive.given().back().at);
         is_told_ = true;
         ++played_.told;
@@ -126,12 +136,79 @@ class run {
         };
         if (small_count(0x20A7)) ++played_.near_zero;
         w_.drive.power_cycle();
+        if (one_in(4)) { // again, in the same feedback period
+            ++played_.twice;
+            w_.wait(microseconds(random_.below(15'000)));
+            w_.drive.power_cycle();
+        }
+        if (one_in(2)) w_.wait(milliseconds(random_.below(one_in(3) ? 300 : 20)));
+        if (one_in(2)) return command_first();
         if (one_in(2)) return;
         ++played_.dark;
         w_.wire.cut_for(milliseconds(random_.below(one_in(2) ? 60 : 1500)));
     }
+    // Two twists in turn, with a gap in the responses at any moment.
+    void follow_path() {
+        static constexpr std::int32_t ways[][4] = {
+            {600, 1000, 600, -1000}, // S-curve; mm/s, mrad/s
+            {500, 800, -500, 800},   // reversing in an arc
+            {700, 0, -700, 0},       // reversing
+            {0, 1500, 0, -1500},     // spinning
+            {800, 0, 500, 1200},     // into a curve
+            {300, 1500, 300, -1500}, // slalom
+            {0, 0, 400, 700},        // from standing
+        };
+        ++played_.paths;
+        const auto& way = ways[random_.below(std::size(ways))];
+        const std::uint32_t each = 40 + random_.below(600);
+        const std::uint32_t hole = random_.below(3 * each);
+        for (std::uint32_t t = 0, turn = 0; t < 3 * each; t += 20) {
+            const bool is_second = t / each % 2 == 1;
+            if (turn++ % 2 == 0 && w_.robot.is_idle())
+                (void)w_.robot.begin(twist{.speed = decltype(twist::speed){way[is_second ? 2 : 0] * 1000},
+                                           .turn = decltype(twist::turn){way[is_second ? 3 : 1] * 1000}});
+            if (t <= hole && hole < t + 20) {
+                live(random_.below(20));
+                lose(random_.below(220));
+            } else {
+                live(20);
+            }
+        }
+    }
+    // Responses are lost or late for a time.
+    void lose(std::uint32_t ms) {
+        const sim::fault_plan before = w_.wire.faults();
+        ++played_.gaps;
+        if (one_in(3)) {
+            ++played_.late;
+            w_.wire.faults().late_response = 1000;
+            w_.wire.faults().late_by = milliseconds(random_.below(200));
+        } else {
+            w_.wire.faults().lost_response = 1000;
+        }
+        live(ms);
+        w_.wire.faults() = before;
+    }
+    // The program's first command after a restart, which it may not have seen yet.
+    void command_first() {
+        const std::uint32_t what = random_.below(5);
+        ++played_.first[what];
+        if (what == 0) (void)w_.robot.begin(disable{});
+        if (what == 1) (void)w_.robot.begin(halt{});
+        if (what == 2) (void)w_.robot.begin(quick_stop{});
+        if (what == 3) (void)w_.robot.begin(any_twist());
+        if (what == 4) (void)w_.robot.begin(read_feedback{});
+    }
+    void change_ramps() {
+        ++played_.steep;
+        const std::int32_t ms = one_in(2) ? 500 : 10 + static_cast<std::int32_t>(random_.below(300));
+        const zlac8015d::time time{ms};
+        (void)block(zlac8015d::ramps{time, time});
+    }
     void act() {
         const drive_state s = w_.robot.state();
+        if (s == drive_state::enabled && one_in(12)) return follow_path();
+        if (one_in(60)) return change_ramps();
         switch (random_.below(26)) {
         case 0: return restart();
         case 1:
@@ -221,11 +298,42 @@ TEST_CASE(
     "a pose that is continuous is within 1 mm of the robot, whatever happens to drive, line and program") {
     const counts c = play(1, 10001);
     MESSAGE("worst ", c.worst * 1000, " um; looks ", c.checks, ", continuous ", c.continuous, ", told ",
-            c.told, ", breaks ", c.breaks, "; restarts ", c.restarts, ", moving ", c.moving, ", near zero ",
-            c.near_zero, ", dark ", c.dark, "; losses ", c.losses, ", ports ", c.ports, ", clearings ",
-            c.clearings, ", stalls ", c.stalls, ", faults ", c.faults, ", blocking ", c.blocking, ", stops ",
-            c.stops, ", inits ", c.inits);
-    CHECK(c.restarts > 1000);
+            c.told, ", breaks ", c.breaks);
+    struct kind {
+        const char* what;
+        std::size_t played, at_least;
+    };
+    const kind kinds[] = {
+        {"restarts", c.restarts, 10'000},
+        {"restarts while moving", c.moving, 2000},
+        {"restarts near zero", c.near_zero, 5000},
+        {"two restarts in a row", c.twice, 2000},
+        {"restarts with a dark drive", c.dark, 2000},
+        {"first after a restart: disable", c.first[0], 1000},
+        {"first after a restart: halt", c.first[1], 1000},
+        {"first after a restart: quick stop", c.first[2], 1000},
+        {"first after a restart: twist", c.first[3], 1000},
+        {"first after a restart: read", c.first[4], 1000},
+        {"lossy times", c.losses, 10'000},
+        {"paths that bend", c.paths, 3000},
+        {"gaps in a path", c.gaps, 3000},
+        {"late responses in a path", c.late, 1000},
+        {"lost ports", c.ports, 10'000},
+        {"cleared positions", c.clearings, 2000},
+        {"stalled programs", c.stalls, 10'000},
+        {"faults", c.faults, 10'000},
+        {"blocking calls", c.blocking, 100'000},
+        {"stops", c.stops, 20'000},
+        {"inits", c.inits, 10'000},
+        {"prompt nodes", c.prompt, 4000},
+        {"changed ramps", c.steep, 3000},
+        {"poses that were told", c.told, 10'000},
+        {"continuous poses", c.continuous, 100'000},
+    };
+    for (const kind& k : kinds) {
+        MESSAGE(std::string{k.what}, ": ", k.played);
+        CHECK(k.played >= k.at_least);
+    }
 }
 
 } // namespace robot_runs_tests

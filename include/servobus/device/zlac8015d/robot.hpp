@@ -15,6 +15,7 @@
 
 #include <servobus/axis/differential.hpp>
 #include <servobus/axis/odometry.hpp>
+#include <servobus/device/zlac8015d/commanded_motion.hpp>
 #include <servobus/device/zlac8015d/counted_model.hpp>
 #include <servobus/device/zlac8015d/drive.hpp>
 #include <servobus/device/zlac8015d/wheel_step.hpp>
@@ -36,58 +37,103 @@ class robot_model : public counted_model {
     constexpr std::uint16_t epoch() const { return epoch_; }
     constexpr void set_pose(const plane_pose& to) { odometry_.set(to); }
 
+    /// The greatest change of a wheel's speed, in 0.1 r/min of its motor in a millisecond.
+    constexpr void set_acceleration(std::uint8_t tenths) { acceleration_ = tenths; }
+
     constexpr void note(const block_feedback& r, const settings& known) {
         if (known.state == drive_state::needs_init) return; // counts from elsewhere after it
-        const wheel_image left = left_in(r.words), right = right_in(r.words);
-        if (r.epoch != epoch_) odometry_.restart(left.position, right.position);
+        const both_wheels now = wheels_in(r.words);
+        const bool is_known = r.epoch == epoch_ && is_path_known(now, since(odometry_.pose().time, r.taken));
+        if (!is_known) odometry_.restart(now.left.position, now.right.position);
+        odometry_.expect_arc(r.taken);
+        (void)odometry_.update(now.left.position, now.right.position, r.taken);
         epoch_ = r.epoch;
-        const duration took = since(odometry_.pose().time, r.taken);
-        // Lost responses cost no pose while the robot keeps its twist.
-        if (step_of_left(left_, left, took).is_steady() && step_of_right(right_, right, took).is_steady())
-            odometry_.expect_arc(r.taken);
-        (void)odometry_.update(left.position, right.position, r.taken);
-        left_ = left;
-        right_ = right;
+        last_ = now;
+        commanded_.note_feedback();
     }
-    /// Also a position that both wheels may have reached from zero, and not by their speeds from where they were: a restart
-    /// puts both to zero.
+    /// True also where both wheels may have been at zero, where a restart puts them, and a restart may hide 1 mm and more.
     constexpr bool has_fallen(const block_feedback& r, const settings& known) const {
         if (model::has_fallen(r, known)) return true;
-        const wheel_step left = step_of_left(left_in(r.before), left_in(r.words), r.between);
-        const wheel_step right = step_of_right(right_in(r.before), right_in(r.words), r.between);
-        return left.may_come_from_zero() && right.may_come_from_zero() && (left.is_odd() || right.is_odd());
+        const both_steps by = steps_between(wheels_in(r.before), wheels_in(r.words), r.between);
+        if (!by.left.may_come_from_zero(by.left_swing) || !by.right.may_come_from_zero(by.right_swing))
+            return false;
+        // In so short a time no wheel moves by 1 mm that its speeds do not show.
+        if (r.between <= milliseconds(24)) return !by.left.is_steady() || !by.right.is_steady();
+        return commanded_.is_new() || commanded_.may_move() || !by.left.is_at_rest() ||
+               !by.right.is_at_rest();
+    }
+    /// The mode, from the first enable on: a drive that is disabled keeps it, and a restart loses it.
+    static constexpr steps::recheck witness(const settings& known, const prepared_command& under_way) {
+        const bool has_mode =
+            known.state != drive_state::needs_init && known.mode != operating_mode::undefined;
+        return {.look = has_mode && !changes_mode(under_way) ? routines::same_mode : nullptr,
+                .words = {static_cast<std::uint16_t>(known.mode)}};
+    }
+    constexpr errc admit(const prepared_command& c, duration lost) {
+        commanded_.begin(c);
+        return counted_model::admit(c, lost);
+    }
+    constexpr void preempt(const prepared_command& c) {
+        commanded_.preempt();
+        counted_model::preempt(c);
     }
     constexpr errc learn(prepared_command& c, const ending& e, settings& known) {
+        commanded_.end(c, e);
+        if (is_save(e.steps)) known.mode = operating_mode::undefined;
         const axle& on = base_->base();
         return learn_counts(c, e, known, on.left().counts_of_motor_turn(), on.right().counts_of_motor_turn());
     }
 
   private:
+    struct both_wheels {
+        wheel_image left, right;
+    };
+    struct both_steps {
+        wheel_step left, right;
+        std::int32_t left_swing, right_swing;
+    };
+
     template <const auto& Position, const auto& Speed>
     static constexpr wheel_image wheel_in(const std::uint16_t* w) {
         const std::uint16_t* const position = w + image::place_of<Position>;
         return {join_words(position[0], position[1], device::facts.word_order),
                 static_cast<std::int16_t>(w[image::place_of<Speed>])};
     }
-    static constexpr wheel_image left_in(const std::uint16_t* w) {
-        return wheel_in<left_actual_position, left_actual_speed>(w);
+    static constexpr both_wheels wheels_in(const std::uint16_t* w) {
+        return {wheel_in<left_actual_position, left_actual_speed>(w),
+                wheel_in<right_actual_position, right_actual_speed>(w)};
     }
-    static constexpr wheel_image right_in(const std::uint16_t* w) {
-        return wheel_in<right_actual_position, right_actual_speed>(w);
+    constexpr both_steps steps_between(const both_wheels& from, const both_wheels& to, duration took) const {
+        const std::uint32_t left = base_->base().left().counts_of_motor_turn();
+        const std::uint32_t right = base_->base().right().counts_of_motor_turn();
+        return {{from.left, to.left, took, left},
+                {from.right, to.right, took, right},
+                wheel_step::swing(acceleration_, took, left),
+                wheel_step::swing(acceleration_, took, right)};
     }
-    constexpr wheel_step step_of_left(const wheel_image& from, const wheel_image& to,
-                                      duration between) const {
-        return {from, to, between, base_->base().left().counts_of_motor_turn()};
+    // True if both wheels have moved as their speeds allow, and the path is near an arc. A new command lets each wheel swing;
+    // without one its speed only goes from that of the last feedback to that of this one.
+    constexpr bool is_path_known(const both_wheels& now, duration took) const {
+        const both_steps by = steps_between(last_, now, took);
+        if (by.left.excess() > 5 + 8 * by.left_swing || by.right.excess() > 5 + 8 * by.right_swing)
+            return false;
+        const std::int32_t left_swing = commanded_.is_new() ? by.left_swing : 0;
+        const std::int32_t right_swing = commanded_.is_new() ? by.right_swing : 0;
+        return odometry_.is_near_arc(by.left.bow() + left_swing, by.right.bow() + right_swing,
+                                     by.left.farthest() + 8 * left_swing,
+                                     by.right.farthest() + 8 * right_swing);
     }
-    constexpr wheel_step step_of_right(const wheel_image& from, const wheel_image& to,
-                                       duration between) const {
-        return {from, to, between, base_->base().right().counts_of_motor_turn()};
+    static constexpr bool is_save(routine steps) { return steps.data() == routine{routines::save}.data(); }
+    static constexpr bool changes_mode(const prepared_command& c) {
+        return !c.steps.empty() && (c.then == effect::enabled || is_save(c.steps));
     }
+
     const differential* base_ = nullptr;
     odometry odometry_{};
-    wheel_image left_{};
-    wheel_image right_{};
+    both_wheels last_{};
+    commanded_motion commanded_{};
     std::uint16_t epoch_ = 0;
+    std::uint8_t acceleration_ = 5;
 };
 
 namespace detail {
@@ -141,14 +187,25 @@ template <class Line> class robot : public basic_drive<Line, robot_model> {
         return {this->model().base(), wanted};
     }
 
-    /// Where the robot was at the pose's time, when the request for the last feedback began to leave. It begins at x 0, y 0,
-    /// heading 0 with the first feedback. It is continuous unless the way since then is not known: no feedback yet, a
-    /// restart of the drive, `init`, a lost port, cleared positions. `set_pose` makes it continuous again.
+    /// Where the robot was at the pose's time, when the request for the last feedback began to leave. The pose begins at x 0,
+    /// y 0, heading 0 with the first feedback. It is continuous unless the way since then is not known: no feedback yet, a
+    /// restart of the drive, `init`, a lost port, cleared positions, a gap between two feedbacks in which the path may have left
+    /// its arc by more than 0.75 mm. `set_pose` makes it continuous again.
     constexpr plane_pose pose() const {
         plane_pose p = this->model().pose();
         const bool is_same = this->model().epoch() == this->machine().known().epoch_of_positions();
         p.is_continuous = p.is_continuous && is_same && this->state() != drive_state::needs_init;
         return p;
+    }
+    /// States by how much a wheel's speed changes in a second at most, in r/min of its motor: 500 r/min until this is called,
+    /// 100 to 25 500 r/min in steps of 100; more counts as 25 500. It is a limit of the robot, as its program shapes the
+    /// twists and the drive its ramps. A lower one keeps the pose over longer gaps in which the twist changes.
+    constexpr void set_acceleration(speed in_a_second) {
+        constexpr std::uint32_t step = 100 * 2520; // counts of a tenth of a r/min in a millisecond
+        const auto counts = static_cast<std::uint32_t>(in_a_second.count() < 0 ? 0 : in_a_second.count());
+        std::uint32_t tenths = 1;
+        while (tenths < 255 && tenths * step < counts) ++tenths;
+        this->model().set_acceleration(static_cast<std::uint8_t>(tenths));
     }
     /// The pose is this one since the last feedback.
     constexpr void set_pose(const plane_pose& here) { this->model().set_pose(here); }

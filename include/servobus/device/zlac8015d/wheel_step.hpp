@@ -1,13 +1,15 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// ZLTECH ZLAC8015D: tells whether a wheel's way from one feedback to the next is what its speeds say, which shows a restart of
-// the drive, and a steady way through lost responses. zlac8015d/robot.hpp includes it.
+// ZLTECH ZLAC8015D: compares a wheel's way from one feedback to the next with the speeds that both show. From that follow how
+// far the wheel may have been from a steady way meanwhile, and whether the drive may have restarted. zlac8015d/robot.hpp
+// includes it.
 //
 //     constexpr zlac8015d::wheel_image before{.position = 640, .speed = 600}; // 60 r/min
-//     constexpr zlac8015d::wheel_step slow{before, {722, 600}, milliseconds(20), 4096};
-//     constexpr zlac8015d::wheel_step restarted{before, {80, 600}, milliseconds(20), 4096};
-//     static_assert(slow.is_steady() && restarted.is_odd() && restarted.may_come_from_zero());
+//     constexpr zlac8015d::wheel_step even{before, {718, 600}, milliseconds(20), 4096};
+//     constexpr zlac8015d::wheel_step restarted{before, {70, 600}, milliseconds(20), 4096};
+//     static_assert(even.is_steady() && even.bow() == 0);
+//     static_assert(!restarted.is_steady() && restarted.may_come_from_zero(0));
 #pragma once
 
 #include <cstdint>
@@ -22,49 +24,65 @@ struct wheel_image {
     std::int16_t speed = 0;
 };
 
-/// A wheel's way between two feedbacks, beside what its speeds in both of them allow. A servo trembles by 5 counts.
+/// A wheel's way between two feedbacks, in counts, and the ways in that time at both speeds. A servo trembles by 5 counts.
 class wheel_step {
   public:
     constexpr wheel_step(const wheel_image& before, const wheel_image& now, duration between,
                          std::uint32_t counts_per_turn)
-        : moved_{static_cast<std::int32_t>(now.position - before.position)},
-          there_{static_cast<std::int32_t>(now.position)}, from_{way(before.speed, between, counts_per_turn)},
-          to_{way(now.speed, between, counts_per_turn)}, change_{now.speed - before.speed} {}
+        : moved_{static_cast<std::int32_t>(now.position - before.position)}, there_{static_cast<std::int32_t>(
+                                                                                 now.position)},
+          from_{way(before.speed, between, counts_per_turn)}, to_{way(now.speed, between, counts_per_turn)} {}
 
-    /// Less or more than by the lower or the higher of its speeds, and a quarter.
-    constexpr bool is_odd() const {
-        const std::int32_t slack = (farthest() >> 2) + 5;
-        return moved_ < (from_ < to_ ? from_ : to_) - slack || moved_ > (from_ < to_ ? to_ : from_) + slack;
-    }
-    /// By its speed, which is the same in both, within 2 r/min and a sixteenth of the way.
+    /// True if both speeds are one, within 8 counts of way, and the way is that of this speed, within a trembling and a 128th.
     constexpr bool is_steady() const {
-        const std::int32_t off = 2 * moved_ - from_ - to_;
-        const std::int32_t slack = (farthest() >> 3) + 10;
-        return change_ <= 20 && change_ >= -20 && off <= slack && off >= -slack;
+        return magnitude(to_ - from_) <= 8 && magnitude(2 * moved_ - from_ - to_) <= 10 + (fastest() >> 6);
     }
-    /// It may have been at zero between the two.
-    constexpr bool may_come_from_zero() const {
-        const std::int32_t most = farthest() + (farthest() >> 2) + 5;
+    /// True if the wheel was at rest in both, where it was.
+    constexpr bool is_at_rest() const { return farthest() <= 5; }
+    /// Bounds how far the wheel was from a steady way, as a mean over the time: by its change from one speed to the other at
+    /// any moment, and by what its way has more or less than both speeds allow.
+    constexpr std::int32_t bow() const { return (magnitude(to_ - from_) >> 3) + ((excess() + 1) >> 1); }
+    /// How much more or less the way is than both speeds allow.
+    constexpr std::int32_t excess() const {
+        const std::int32_t low = from_ < to_ ? from_ : to_, high = from_ < to_ ? to_ : from_;
+        return moved_ < low ? low - moved_ : moved_ > high ? moved_ - high : 0;
+    }
+    /// The longest of the way and of those by both speeds.
+    constexpr std::int32_t farthest() const {
+        const std::int32_t moved = magnitude(moved_), by_speed = fastest();
+        return moved < by_speed ? by_speed : moved;
+    }
+    /// True if the wheel may have been at zero between the two. `swing`: that of this time.
+    constexpr bool may_come_from_zero(std::int32_t swing) const {
+        const std::int32_t most = fastest() + (fastest() >> 2) + 5 + 16 * swing;
         return there_ <= most && there_ >= -most;
     }
 
+    /// Bounds the bow of a wheel that changes its speed by at most `tenths` of 0.1 r/min in a millisecond, and has its speed
+    /// again at the end: a quarter of the time faster, half of it slower, a quarter faster.
+    static constexpr std::int32_t swing(std::uint8_t tenths, duration in, std::uint32_t counts_per_turn) {
+        const std::uint32_t change = tenths * (at_most_4_s(in) * 67 >> 16); // 67 / 2^16 is 1 / 978
+        const auto faster = static_cast<std::int16_t>(change < 32'767 ? change : 32'767);
+        return (way(faster, in, counts_per_turn) + 31) >> 5;
+    }
+
   private:
-    constexpr std::int32_t farthest() const {
-        const std::int32_t a = from_ < 0 ? -from_ : from_, b = to_ < 0 ? -to_ : to_;
+    static constexpr std::int32_t magnitude(std::int32_t v) { return v < 0 ? -v : v; }
+    constexpr std::int32_t fastest() const {
+        const std::int32_t a = magnitude(from_), b = magnitude(to_);
         return a < b ? b : a;
     }
-    // The counts in a time at a speed: at most 4 s, as 1024 us; 1 / 600 000 is 7 / 2^22.
+    static constexpr std::uint32_t at_most_4_s(duration d) { return d.us >> 22 != 0 ? 1u << 22 : d.us; }
+    // The counts in a time at a speed: tenths * us * counts / 600 000 000, of which 2^12 / 600 000 000 is 58 641 / 2^33.
     static constexpr std::int32_t way(std::int16_t tenths, duration in, std::uint32_t counts_per_turn) {
-        const auto ms = static_cast<std::int32_t>(in.us >> 22 != 0 ? 4096u : in.us >> 10);
-        const std::int64_t turns = tenths * ms >> 6;
-        return static_cast<std::int32_t>(turns * counts_per_turn * 7 >> 16);
+        const std::int64_t parts = std::int64_t{tenths} * at_most_4_s(in) * counts_per_turn >> 12;
+        return static_cast<std::int32_t>((parts * 58'641 + (std::int64_t{1} << 32)) >> 33);
     }
 
     std::int32_t moved_;
     std::int32_t there_;
     std::int32_t from_; ///< by the speed before
     std::int32_t to_;   ///< by the speed now
-    std::int32_t change_;
 };
 
 } // namespace servobus::zlac8015d

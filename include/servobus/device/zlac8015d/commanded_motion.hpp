@@ -1,0 +1,71 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// ZLTECH ZLAC8015D: keeps what the program has commanded that changes the speeds of the wheels: since the last feedback, and
+// until the wheels are stopped. zlac8015d/robot.hpp includes it.
+//
+//     zlac8015d::commanded_motion commanded;
+//     commanded.begin(c);                                  // a command of the program
+//     if (!commanded.is_new()) return;                     // it repeats the last twist, or moves nothing
+#pragma once
+
+#include <cstdint>
+
+#include <servobus/control/drive_model.hpp>
+#include <servobus/device/zlac8015d/commands.hpp>
+
+namespace servobus::zlac8015d {
+
+class commanded_motion {
+  public:
+    /// True if a command since the last feedback may have changed a speed: any but a read, a wait, and the twist that the drive
+    /// has acknowledged last.
+    constexpr bool is_new() const { return is_new_; }
+    /// True if the drive may have a target other than zero.
+    constexpr bool may_move() const { return may_move_; }
+
+    constexpr void begin(const prepared_command& c) {
+        note(c, c.steps);
+        may_move_ = may_move_ || moves(c, c.steps);
+    }
+    /// Another command has replaced one that may have been carried out.
+    constexpr void preempt() { has_twist_ = false; }
+    constexpr void end(const prepared_command& c, const ending& e) {
+        note(c, e.steps);
+        if (is_without_motion(c)) return;
+        has_twist_ = e.is_done && is_twist(c, e.steps);
+        left_ = c.arguments[0];
+        right_ = c.arguments[1];
+        if (e.is_done && c.then == effect::motion) may_move_ = moves(c, e.steps);
+        if (e.is_done && stops(c)) may_move_ = false;
+    }
+    constexpr void note_feedback() { is_new_ = false; }
+
+  private:
+    static constexpr bool is_without_motion(const prepared_command& c) {
+        return c.then == effect::seen || c.then == effect::arrived;
+    }
+    static constexpr bool is_twist(const prepared_command& c, routine steps) {
+        return c.then == effect::motion && steps.data() == routine{routines::velocity}.data();
+    }
+    static constexpr bool moves(const prepared_command& c, routine steps) {
+        if (is_twist(c, steps)) return (c.arguments[0] | c.arguments[1]) != 0;
+        return c.then == effect::motion || c.then == effect::moved;
+    }
+    static constexpr bool stops(const prepared_command& c) {
+        return c.stop != stop_priority::no_stop || c.then == effect::enabled || c.then == effect::initialised;
+    }
+    constexpr void note(const prepared_command& c, routine steps) {
+        const bool is_repeated =
+            has_twist_ && is_twist(c, steps) && c.arguments[0] == left_ && c.arguments[1] == right_;
+        is_new_ = is_new_ || (!is_repeated && !is_without_motion(c));
+    }
+
+    std::uint16_t left_ = 0; ///< of the twist that the drive has acknowledged
+    std::uint16_t right_ = 0;
+    bool has_twist_ = false;
+    bool may_move_ = false;
+    bool is_new_ = false;
+};
+
+} // namespace servobus::zlac8015d

@@ -1,0 +1,189 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// A robot's pose over gaps of its feedback: responses that are lost or late while it keeps its twist, and while it changes it;
+// the first command after a restart of the drive. The simulated wheels are the judge.
+#include <cstdint>
+#include <iterator>
+
+#include <doctest/doctest.h>
+
+#include <servobus/device/zlac8015d/parameters.hpp>
+#include <servobus/sim/faults.hpp>
+#include <tests/support/robot_world.hpp>
+
+namespace robot_gaps_tests {
+
+using namespace servobus;
+using namespace servobus::literals;
+
+namespace {
+
+constexpr feed wheel = rolling(534_mm, counts_per_turn{4096});
+constexpr auto base = differential::of({.left = wheel, .right = mirrored(wheel), .track = 400_mm});
+constexpr robots::machine machine{534, -534, 400, 1024};
+
+struct rig : robots::world {
+    rig(bool is_prompt, duration feedback, std::uint64_t seed = 1, sim::zlac8015d_options options = {})
+        : world{machine, base,
+                options, {.feedback = feedback, .command_timeout = milliseconds(2000)},
+                seed,    is_prompt ? prompt(node<zlac8015d::device>{1}) : node<zlac8015d::device>{1}} {
+        REQUIRE(robot.run(init{}));
+        REQUIRE(robot.run(zlac8015d::resolution{10}));
+        REQUIRE(robot.run(enable{}));
+        live(milliseconds(60));
+    }
+    /// Commands a twist every 40 ms.
+    void go(const twist& by, std::uint32_t ms) {
+        for (std::uint32_t t = 0; t < ms; t += 40) {
+            if (robot.is_idle()) (void)robot.begin(by);
+            live(milliseconds(ms - t < 40 ? ms - t : 40));
+        }
+    }
+    /// Tells the robot where the drive was when it gave its positions away last.
+    void learn_place() {
+        while (drive.given().back().us - robot.pose().time.us > 10'000) live(milliseconds(1));
+        robots::tell(*this, drive.given().back().at);
+    }
+    long double off() const { return robots::distance(robot.pose(), *this, machine); }
+};
+
+constexpr twist twists[] = {
+    {400_mm_per_s, 0_rad_per_s},      {800_mm_per_s, 0_rad_per_s},       {600_mm_per_s, 1_rad_per_s},
+    {600_mm_per_s, -1_rad_per_s},     {-500_mm_per_s, 500_mrad_per_s},   {0_mm_per_s, 1500_mrad_per_s},
+    {300_mm_per_s, -1500_mrad_per_s}, {1000_mm_per_s, 300_mrad_per_s},   {0_mm_per_s, 0_rad_per_s},
+    {50_mm_per_s, 20_mrad_per_s},     {-800_mm_per_s, -1000_mrad_per_s},
+};
+
+} // namespace
+
+TEST_CASE("G43: while the robot keeps its twist, of single lost responses up to 200 ms at least 99 % cost no "
+          "pose") {
+    sim::dice random{7};
+    unsigned gaps = 0, kept = 0;
+    for (const bool is_prompt : {false, true})
+        for (const twist& by : twists)
+            for (const duration feedback : {20_ms, 50_ms}) {
+                rig r{is_prompt, feedback};
+                r.go(by, 1200);
+                REQUIRE(r.robot.pose().is_continuous);
+                for (int i = 0; i < 30; ++i) {
+                    r.live(milliseconds(random.below(60)));
+                    r.wire.faults().lost_response = 1000;
+                    r.live(milliseconds(1 + random.below(feedback.us / 1000)));
+                    r.wire.faults() = {};
+                    if (random.below(2) == 0)
+                        r.wait(milliseconds(random.below(120))); // the program is late as well
+                    r.go(by, 320);
+                    ++gaps;
+                    const plane_pose p = r.robot.pose();
+                    kept += p.is_continuous;
+                    CHECK((!p.is_continuous || r.off() < 1));
+                    if (!p.is_continuous) r.learn_place();
+                }
+            }
+    MESSAGE(kept, " of ", gaps, " kept the pose");
+    CHECK(gaps == 1320);
+    CHECK(kept * 100 >= gaps * 99);
+}
+
+TEST_CASE("G43: a gap in which the path bends both ways is within 1 mm of the wheels, or not continuous") {
+    struct change {
+        twist from, to;
+    };
+    constexpr change changes[] = {
+        {{600_mm_per_s, 1_rad_per_s}, {600_mm_per_s, -1_rad_per_s}},         // an S-curve
+        {{500_mm_per_s, 800_mrad_per_s}, {-500_mm_per_s, 800_mrad_per_s}},   // reversing
+        {{700_mm_per_s, 0_rad_per_s}, {-700_mm_per_s, 0_rad_per_s}},         //
+        {{0_mm_per_s, 1500_mrad_per_s}, {0_mm_per_s, -1500_mrad_per_s}},     // spinning
+        {{300_mm_per_s, 1500_mrad_per_s}, {300_mm_per_s, -1500_mrad_per_s}}, // slalom
+        {{0_mm_per_s, 0_rad_per_s}, {500_mm_per_s, 900_mrad_per_s}},         // from standing
+        {{800_mm_per_s, 100_mrad_per_s}, {0_mm_per_s, 0_rad_per_s}},         // to a stop
+    };
+    unsigned all = 0, continuous = 0, lost = 0;
+    for (const change& c : changes)
+        for (const bool is_prompt : {false, true})
+            for (const std::int32_t ramp : {50, 150, 500})
+                for (std::uint32_t late = 0; late <= 120; late += 40)
+                    for (std::uint32_t gap = 0; gap <= 240; gap += 30) {
+                        rig r{is_prompt, milliseconds(20)};
+                        REQUIRE(r.robot.run(zlac8015d::ramps{zlac8015d::time{ramp}, zlac8015d::time{ramp}}));
+                        r.go(c.from, 900);
+                        if (r.robot.is_idle()) (void)r.robot.begin(c.to);
+                        r.live(milliseconds(5 + late));
+                        r.wire.faults().lost_response = 1000;
+                        r.live(milliseconds(gap));
+                        r.wire.faults() = {};
+                        r.live(milliseconds(320));
+                        const plane_pose p = r.robot.pose();
+                        ++all;
+                        continuous += p.is_continuous;
+                        lost += gap != 0 && !p.is_continuous;
+                        CAPTURE(ramp);
+                        CAPTURE(late);
+                        CAPTURE(gap);
+                        CHECK((!p.is_continuous || r.off() < 1));
+                        if (gap == 0 && ramp >= 150) CHECK(p.is_continuous);
+                    }
+    MESSAGE(continuous, " of ", all, " continuous, ", lost, " lost");
+    CHECK(all == 1512);
+    CHECK(lost > 300);
+    CHECK(continuous > 400);
+}
+
+// Plays the first command after a restart of a turning drive, at any moment of the feedback and of a blocked program.
+template <class Command> void restart_and(const Command& first, unsigned& continuous, unsigned& all) {
+    sim::dice random{11};
+    for (int i = 0; i < 300; ++i) {
+        CAPTURE(i);
+        using reading = sim::zlac8015d_options::running;
+        sim::zlac8015d_options options;
+        options.bit = random.below(2) == 0 ? reading::enabled : reading::turns;
+        const std::uint32_t periods[] = {20, 50, 100};
+        rig r{random.below(2) == 0, milliseconds(periods[random.below(3)]), 1, options};
+        const twist by = twists[random.below(8)];
+        r.live(milliseconds(random.below(500)));
+        (void)r.robot.begin(by);
+        r.live(milliseconds(10 + random.below(400)));
+        const bool is_blocked = random.below(2) == 0;
+        if (is_blocked) r.wait(milliseconds(random.below(300)));
+        r.drive.power_cycle();
+        if (random.below(4) == 0) {
+            r.wait(milliseconds(random.below(15)));
+            r.drive.power_cycle();
+        }
+        r.wait(milliseconds(random.below(is_blocked ? 300 : 25)));
+        (void)r.robot.begin(first);
+        long double worst = 0;
+        const auto look = [&](std::uint32_t ms) {
+            for (std::uint32_t t = 0; t < ms; t += 2) {
+                r.live(milliseconds(2));
+                ++all;
+                if (!r.robot.pose().is_continuous) continue;
+                ++continuous;
+                worst = r.off() > worst ? r.off() : worst;
+            }
+        };
+        look(1200);
+        // A pose that is wrong for good shows after the next enable too.
+        if (r.robot.state() != drive_state::needs_init && r.robot.is_idle() &&
+            r.robot.begin(enable{}) == errc::ok)
+            look(1200);
+        CHECK(worst < 1);
+    }
+}
+
+TEST_CASE("G43: whatever a program commands first after a restart, no pose is continuous and wrong") {
+    unsigned continuous = 0, all = 0;
+    restart_and(disable{}, continuous, all);
+    restart_and(halt{}, continuous, all);
+    restart_and(quick_stop{}, continuous, all);
+    restart_and(twist{-300_mm_per_s, 0_rad_per_s}, continuous, all);
+    restart_and(read_feedback{}, continuous, all);
+    restart_and(wait_standstill{milliseconds(1000)}, continuous, all);
+    restart_and(init{}, continuous, all);
+    MESSAGE(continuous, " of ", all, " poses after a restart are continuous");
+    CHECK(all > 1'000'000);
+}
+
+} // namespace robot_gaps_tests
