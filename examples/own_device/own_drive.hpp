@@ -383,7 +383,7 @@ template <class Line> class drive : public servobus::facade<model, Line> {
     /// Where the last move has come to, by the last feedback; with `end`, for a bus.
     constexpr winch::arrival arrival(const servobus::wait_reached&) const { return arrival(); }
     constexpr winch::arrival arrival() const {
-        if (this->state() == drive_state::needs_init) return {};
+        if (this->state() == drive_state::needs_init || this->is_move_beginning()) return {};
         winch::arrival a = this->model().arrival_of(this->image(), this->since_start());
         if (a.how == servobus::arrival_state::stopped_short) a.cause = this->cause();
         return a;

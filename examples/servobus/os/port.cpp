@@ -132,6 +132,7 @@ int any_port::open(const char* name, const serial_settings& settings) {
     if (!at) return usage;
     host_ = at->host;
     service_ = at->service;
+    connected_at_ = native::monotonic_now();
     const char* host = host_.c_str();
     const char* service = service_.c_str();
     if (has_mbap) {
@@ -147,8 +148,24 @@ void any_port::set_peer_unit(std::uint8_t unit) {
     std::get<mbap>(port_).set_peer_unit(unit);
 }
 
+// A connection that the peer has answered is followed by the next one immediately. One that it has not answered costs a pause,
+// twice as long each time: a small gateway fails under many connections a second.
+void any_port::pause_before_connecting() {
+    using servobus::milliseconds;
+    constexpr servobus::duration first = milliseconds(100), longest = milliseconds(3200);
+    pause_ = is_answered_since_ ? servobus::duration{}
+             : pause_ < first   ? first
+             : pause_ < longest ? pause_ * 2
+                                : longest;
+    is_answered_since_ = false;
+    const servobus::duration gone = since(connected_at_, native::monotonic_now());
+    if (gone < pause_) native::sleep_for(servobus::duration{pause_.us - gone.us});
+    connected_at_ = native::monotonic_now();
+}
+
 servobus::errc any_port::reconnect() {
     if (!is_network()) return errc::ok;
+    pause_before_connecting();
     ++connections_;
     is_fresh_ = true;
     left_to_send_ = 0;
@@ -269,7 +286,8 @@ servobus::transfer any_port::receive_now(servobus::byte_buffer in) {
     keep(response_, in, *t);
     const std::size_t echo = removes_echo_ ? request_.size() : 0;
     if (!answered_at_ && response_.size() > echo) answered_at_ = now();
-    has_answered_ = has_answered_ || (*t != 0 && is_answered());
+    is_answered_since_ = is_answered_since_ || (*t != 0 && is_answered());
+    has_answered_ = has_answered_ || is_answered_since_;
     if (!std::holds_alternative<mbap>(port_)) keep(came_, in, *t);
     return t;
 }

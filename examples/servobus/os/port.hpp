@@ -86,6 +86,7 @@ class any_port {
     servobus::bytes came() const;
     servobus::transfer receive_now(servobus::byte_buffer in);
     bool is_answered() const;
+    void pause_before_connecting();
 
     std::variant<native::serial, native::tcp, mbap> port_{};
     std::string host_{};
@@ -97,6 +98,9 @@ class any_port {
     bool is_fresh_ = false;     ///< no request has left on this connection
     bool has_answered_ = false; ///< there was a response
     unsigned connections_ = 0;
+    bool is_answered_since_ = false; ///< there was a response on this connection
+    servobus::duration pause_{};     ///< before the next connection
+    servobus::instant connected_at_{};
     std::optional<servobus::instant> sent_at_{};
     std::optional<servobus::instant> answered_at_{}; ///< the first byte that is not the local echo
     std::vector<std::uint8_t> response_{}; ///< what the line has got since the request began to leave

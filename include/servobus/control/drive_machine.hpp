@@ -85,6 +85,7 @@ template <class Model, class Exchange> class drive_machine : public detail::comm
         case flight::step:
             run().conclude(exchange_, this->limits_, this->read_retries_, now);
             if (run().is_waiting() && !known_.held().is_any()) known_.polling().note_wait(now);
+            if constexpr (base::runs_without_line) note_sent_motion();
             if (!this->is_write())
                 known_.set_last_frame(flight::step_read);
             else if (got.error() == errc::ok && detail::is_motion(slot_.kind()))
@@ -94,6 +95,7 @@ template <class Model, class Exchange> class drive_machine : public detail::comm
         case flight::witness: conclude_witness(got, now); break;
         case flight::drained_write:
             if (!got.has_response()) known_.invalidate();
+            if constexpr (base::runs_without_line) known_.set_may_move(true); // perhaps its routine moves
             break;
         case flight::drained:
         case flight::step_read:
@@ -109,6 +111,10 @@ template <class Model, class Exchange> class drive_machine : public detail::comm
 
   private:
     constexpr detail::routine_run& run() { return slot_.run(); }
+    constexpr void note_sent_motion() {
+        const bool is_motion = detail::is_motion(slot_.kind()) || Model::kinds.moves(slot_.command().then);
+        if (is_motion && this->is_write() && exchange_.was_sent()) known_.set_may_move(true);
+    }
     constexpr bool is_urgent() const { return slot_.run().is_urgent(); }
 
     template <class Line> [[gnu::noinline]] constexpr void fill(instant now, const Line& on) {

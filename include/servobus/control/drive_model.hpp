@@ -80,7 +80,7 @@ namespace detail {
 template <class Model, class Command, class Settings>
 concept answers = requires(Model m, Command& c, const Command& planned, Settings& known, const Settings& read,
                            const situation& now, const block_feedback& r, const ending& e) {
-    { m.admit(planned, duration{}) } -> std::same_as<errc>;
+    { m.admit(c, duration{}) } -> std::same_as<errc>;
     { m.permit(c, now, known) } -> std::same_as<errc>;
     { Model::is_faulted(now.image, read) } -> std::same_as<bool>;
     { m.judge(now.image, known) } -> std::same_as<servobus::verdict>;

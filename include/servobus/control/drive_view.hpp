@@ -44,12 +44,12 @@ template <class Model, class Line> class drive_view {
 
     /// True if no command is under way, nor a stop of a supervisor.
     constexpr bool is_idle() const { return machine_.slot().is_idle(); }
-    /// How the application's last command ended; meaningful when idle.
-    constexpr const routine_status& last() const { return machine_.slot().report(); }
+    /// How the application's last command ended; meaningful when idle. A copy, since the next command has another.
+    constexpr routine_status last() const { return machine_.slot().report(); }
     /// `faulted` if the last feedback shows a fault.
     constexpr drive_state state() const { return machine_.known().state(); }
-    /// Returns the settings as far as they are known.
-    constexpr const settings& cached() const { return machine_.known().cached(); }
+    /// Returns the settings as far as they are known now.
+    constexpr settings cached() const { return machine_.known().cached(); }
     /// Why the drive stopped following its last motion command; `unknown` while it follows.
     constexpr stop_cause cause() const { return machine_.known().cause(); }
     /// The drive does not respond. One with a watchdog has not for its time; any other has not to three refreshes in a
@@ -85,6 +85,8 @@ template <class Model, class Line> class drive_view {
     /// From the start of the last motion to the image; zero for an image that is older. It goes back from two minutes
     /// to one: times are not compared over a wrap of the clock.
     constexpr duration since_start() const { return machine_.known().since_start(); }
+    /// True while a move begins: the one before has no arrival any more.
+    constexpr bool is_move_beginning() const { return machine_.slot().is_at(command_kind::move); }
     /// A move that seems to be under way has been cut by a fault: its stop may be under way.
     constexpr bool is_ended_by_fault(arrival_state how) const {
         return how == arrival_state::under_way && cause() == stop_cause::fault;

@@ -46,7 +46,7 @@ concept motor_drive = detail::carries_out_all<Drive, init, enable, disable, halt
     drive.step();
     { seen.is_idle() } -> std::same_as<bool>;
     { seen.is_absent() } -> std::same_as<bool>;
-    { seen.last() } -> std::same_as<const routine_status&>;
+    { seen.last() } -> std::same_as<routine_status>;
     { seen.state() } -> std::same_as<drive_state>;
     { seen.cause() } -> std::same_as<stop_cause>;
     { seen.arrival().how } -> std::convertible_to<arrival_state>;

@@ -56,7 +56,7 @@ struct no_setpoints {
 /// one that the program gives moves the drive again. Like every facade it is not a safety function.
 ///
 /// The list of the take-over runs again after each loss and, until it succeeds, once in `retry`: put no `save{}` in it,
-/// which would wear the drive's EEPROM.
+/// which would wear the drive's EEPROM. Each attempt without a response doubles that time, up to 10 s.
 template <motor_drive Drive, class TakeOver, class Enable = servobus::enable, class Setpoints = no_setpoints>
 class setpoint_loop {
     static_assert(!TakeOver::resets_faults,
@@ -65,10 +65,10 @@ class setpoint_loop {
     using setpoint = typename Setpoints::command;
 
   public:
-    /// `retry`: from one attempt to take the drive over to the next.
+    /// `retry`: from one attempt to take the drive over to the next, while the drive responds.
     constexpr explicit setpoint_loop(Drive& drive, const TakeOver& list, const Enable& how = {},
                                      const Setpoints& times = {}, duration retry = milliseconds(1000))
-        : drive_{&drive}, list_{list}, enable_{how}, times_{times}, retry_{retry} {}
+        : drive_{&drive}, list_{list}, enable_{how}, times_{times}, retry_{retry}, wait_{retry} {}
     setpoint_loop(const setpoint_loop&) = delete; // a consent is used once
     setpoint_loop& operator=(const setpoint_loop&) = delete;
 
@@ -175,7 +175,7 @@ class setpoint_loop {
     constexpr bool conclude() {
         const loop_part ended = asked_;
         if (ended == loop_part::none) return false;
-        const routine_status& how = drive_->last();
+        const routine_status how = drive_->last();
         if (ended == loop_part::take_over) {
             parts_.conclude(how, seen_);
             return parts_.is_over() && end_take_over();
@@ -189,10 +189,21 @@ class setpoint_loop {
         if (ended == loop_part::enable && how && seen_ == drive_state::enabled) allow_motion();
         return reports_.note({.what = ended, .how = how});
     }
+    // The line worked, and the drive sent nothing.
+    static constexpr bool is_unanswered(const routine_status& how) {
+        return how.outcome() == outcome::unknown && how.error() >= errc::no_echo &&
+               how.error() <= errc::bad_gap;
+    }
+    constexpr duration longer_wait() const {
+        constexpr duration longest = milliseconds(10'000);
+        if (wait_ >= longest) return wait_;
+        return wait_ * 2 < longest ? wait_ * 2 : longest;
+    }
     constexpr bool end_take_over() {
         const take_over_status done = parts_.status();
         asked_ = loop_part::none;
         is_taken_over_ = static_cast<bool>(done);
+        wait_ = is_unanswered(done.command()) ? longer_wait() : retry_;
         if (!done) withdraw();
         return reports_.note(
             {loop_part::take_over, done.part(), static_cast<std::uint8_t>(done.setting()), done.command()});
@@ -202,7 +213,7 @@ class setpoint_loop {
         const instant at = now();
         if (asked_ == loop_part::take_over) return begin_part();
         if (!is_taken_over_) {
-            if (has_tried_ && since(tried_, at) < retry_) return;
+            if (has_tried_ && since(tried_, at) < wait_) return;
             has_tried_ = true;
             tried_ = at;
             asked_ = loop_part::take_over;
@@ -258,6 +269,7 @@ class setpoint_loop {
     Setpoints times_;
     [[no_unique_address]] setpoint setpoint_{};
     duration retry_;
+    duration wait_;   // until the next attempt
     instant tried_{}; // the last attempt to take the drive over
     instant begun_{}; // the last setpoint
     instant set_at_{};

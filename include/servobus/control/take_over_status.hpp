@@ -53,7 +53,7 @@ class [[nodiscard]] take_over_status {
     constexpr errc error() const { return how_.error(); }
     constexpr servobus::outcome outcome() const { return how_.outcome(); }
     /// How the command of that part ended, with its step and register.
-    constexpr const routine_status& command() const { return how_; }
+    constexpr routine_status command() const { return how_; }
 
   private:
     routine_status how_;

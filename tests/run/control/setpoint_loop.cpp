@@ -594,7 +594,7 @@ TEST_CASE("a consent is withdrawn by a take-over that fails") {
     t.loop.enable(); // the operator believes that the drive is there
     t.go(3000, 30);
     t.r.wire.set_connected(0, true);
-    t.go(3000, 30);
+    t.go(5000, 30); // the attempts are 1, 2 and 4 s apart
     CHECK(t.loop.is_taken_over());
     CHECK(t.motions() == 0);
 }

@@ -88,7 +88,7 @@ struct rig {
     }
     const std::vector<std::uint16_t>& asked() { return on.observer().asked; }
     // The requests in `lost` (bit 0: the first) do not reach the drive.
-    const routine_status& go_on(std::uint32_t lost) {
+    routine_status go_on(std::uint32_t lost) {
         while (!machine.is_idle()) {
             const duration idle = machine.step();
             if (begun.size() != asked().size()) begun.push_back(wire.time_us());
@@ -101,7 +101,7 @@ struct rig {
     void begin(routine steps, stop_priority priority = stop_priority::halt) {
         REQUIRE(machine.begin(bare::command{.steps = steps, .stop = priority}) == errc::ok);
     }
-    const routine_status& run(routine steps, std::uint32_t lost) {
+    const routine_status run(routine steps, std::uint32_t lost) {
         begin(steps);
         return go_on(lost);
     }

@@ -186,4 +186,47 @@ TEST_CASE("G43: whatever a program commands first after a restart, no pose is co
     CHECK(all > 1'000'000);
 }
 
+TEST_CASE("G43: a robot at its origin keeps its pose over an enable, a stop and a disable, and in each "
+          "feedback after them") {
+    for (const std::uint32_t period : {20u, 50u, 100u}) {
+        CAPTURE(period);
+        rig r{false, milliseconds(period)};
+        const auto has_kept = [&](const auto& command) {
+            const bool is_done = static_cast<bool>(r.robot.run(command));
+            bool is_continuous = true;
+            for (int i = 0; i < 100; ++i) {
+                r.live(milliseconds(10));
+                is_continuous = is_continuous && r.robot.pose().is_continuous;
+            }
+            return is_done && is_continuous;
+        };
+        CHECK(has_kept(twist{30_mm_per_s, 0_rad_per_s}));
+        CHECK(has_kept(halt{}));
+        CHECK(has_kept(disable{}));
+        CHECK(has_kept(enable{}));
+        CHECK(has_kept(twist{-30_mm_per_s, 0_rad_per_s}));
+        CHECK(has_kept(disable{}));
+        CHECK(has_kept(zlac8015d::save{}));
+        CHECK(has_kept(enable{}));
+        CHECK(has_kept(quick_stop{}));
+        CHECK(has_kept(disable{}));
+        CHECK(r.off() < 1);
+    }
+}
+
+TEST_CASE("G39: a restart of a robot's drive that is disabled shows, wherever it is") {
+    for (const twist& by : {twist{10_mm_per_s, 0_rad_per_s}, twist{300_mm_per_s, 200_mrad_per_s}}) {
+        rig r{false, milliseconds(20)};
+        r.go(by, 400);
+        REQUIRE(r.robot.run(disable{}));
+        r.live(milliseconds(700));
+        REQUIRE(r.robot.state() == drive_state::disabled);
+        REQUIRE(r.robot.pose().is_continuous);
+        r.drive.power_cycle();
+        r.live(milliseconds(600));
+        CHECK(r.robot.state() == drive_state::needs_init);
+        CHECK_FALSE(r.robot.pose().is_continuous);
+    }
+}
+
 } // namespace robot_gaps_tests

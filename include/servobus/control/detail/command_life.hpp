@@ -23,6 +23,8 @@ template <class Model, class Exchange> class command_life {
   public:
     using prepared_command = typename Model::prepared_command;
     using settings = typename Model::settings;
+    /// True for a drive without a watchdog: its motor runs on when nothing is sent.
+    static constexpr bool runs_without_line = !polling<Model>::has_watchdog;
 
     constexpr std::uint8_t address() const { return known_.address(); }
     constexpr const knowledge<Model>& known() const { return known_; }
@@ -44,26 +46,17 @@ template <class Model, class Exchange> class command_life {
     }
     /// Starts a command that was planned with `valid_settings`.
     constexpr errc accept(prepared_command& next, instant now) {
-        const bool is_refused = is_refused_ && next.stop == stop_priority::no_stop;
-        if (address() == 0 || is_refused) return errc::bad_argument;
-        if (next.refusal != errc::ok)
-            return next.refusal == errc::wrong_state && known_.is_faulted() ? errc::faulted : next.refusal;
-        if (next.steps.empty()) return errc::bad_argument; // `no_steps` without a reason
-        if (!slot_.is_idle()) {
-            if (!slot_.yields_to(next)) {
-                // During a fault's stop what would move the drive, or waits for a move, is refused for the fault.
-                const bool is_for_fault = slot_.by() == owner::supervisor &&
-                                          known_.cause() == stop_cause::fault &&
-                                          Model::kinds[next.then] != command_kind::refresh;
-                return is_for_fault ? errc::faulted : errc::busy;
-            }
-            if (leaves_unknown()) {
-                known_.invalidate();
-                // The frames of a stop follow from what is known.
-                if (next.stop != stop_priority::no_stop)
-                    next = Model::stop_for(next.stop, known_.cached(), false);
-            }
+        if (const errc refusal = refusal_of(next); refusal != errc::ok) {
+            drop_target(next, refusal);
+            return refusal;
         }
+        if (leaves_unknown()) {
+            known_.invalidate();
+            // The frames of a stop follow from what is known.
+            if (next.stop != stop_priority::no_stop)
+                next = Model::stop_for(next.stop, known_.cached(), false);
+        }
+        if (next.steps.empty()) return errc::bad_argument; // `no_steps` without a reason
         return take(next, now);
     }
     /// `last` says why a command was refused, unless that of the command under way is due.
@@ -153,7 +146,9 @@ template <class Model, class Exchange> class command_life {
         if (was_stop) known_.note_cause(stop_cause::command);
         if (slot_.is_setting_origin()) known_.forget_positions();
         const command_kind kind = slot_.kind();
+        drop_target(slot_.command(), r.error());
         const routine done = slot_.command().steps;
+        if constexpr (runs_without_line) note_end_of_motion(r, was_stop || kind == command_kind::take_over);
         const owner by = slot_.end(now);
         const bool is_judged = !r && done[r.step].what == step::kind::confirm;
         const bool moves = Model::kinds.has_motion() && Model::kinds.moves(slot_.command().then);
@@ -191,10 +186,46 @@ template <class Model, class Exchange> class command_life {
     std::uint8_t response_[held_feedback::room(image_block<Model>.words)]{};
 
   private:
+    constexpr errc refusal_of(const prepared_command& next) const {
+        const bool is_refused = is_refused_ && next.stop == stop_priority::no_stop;
+        if (address() == 0 || is_refused) return errc::bad_argument;
+        if (next.refusal != errc::ok)
+            return next.refusal == errc::wrong_state && known_.is_faulted() ? errc::faulted : next.refusal;
+        if (slot_.is_idle() || slot_.yields_to(next)) return errc::ok;
+        // During a fault's stop what would move the drive, or waits for a move, is refused for the fault.
+        const bool is_for_fault = slot_.by() == owner::supervisor && known_.cause() == stop_cause::fault &&
+                                  Model::kinds[next.then] != command_kind::refresh;
+        return is_for_fault ? errc::faulted : errc::busy;
+    }
+    // A move that fails is the last one all the same: the one before has no target any more. One that was refused as `busy`
+    // leaves the motion under way its target.
+    constexpr void drop_target(const prepared_command& c, errc why) {
+        if (why == errc::ok || why == errc::busy || Model::kinds[c.then] != command_kind::move) return;
+        known_.model().preempt(c);
+    }
+    // The port is lost, or came back just now, and the motor may move: a stop is sent as soon as there is a port.
+    constexpr bool is_stop_due_at_port() const {
+        if constexpr (runs_without_line) {
+            return known_.runs_without_port();
+        } else {
+            return false;
+        }
+    }
+    // `stops`: a stop, or a take-over, which begins with one. A wait sends no write, and waits for a state.
+    constexpr void note_end_of_motion(const routine_status& r, bool stops) {
+        if (stops && r.outcome() != outcome::not_sent) known_.note_stop_sent();
+        bool is_at_rest = stops;
+        for (const step& s : slot_.command().steps) {
+            const bool is_wait = s.what == step::kind::until || s.what == step::kind::confirm;
+            is_at_rest =
+                is_at_rest || (is_wait && !slot_.run().has_written() && slot_.kind() == command_kind::other);
+        }
+        if (r && is_at_rest) known_.set_may_move(false);
+    }
     // True if the command under way may have changed a setting already.
     constexpr bool leaves_unknown() const {
         const bool is_writing = frame_.is_step_sent(exchange_) && is_write();
-        return slot_.changes_settings() && (slot_.run().has_written() || is_writing);
+        return !slot_.is_idle() && slot_.changes_settings() && (slot_.run().has_written() || is_writing);
     }
     [[gnu::always_inline]] constexpr errc take(prepared_command& next, instant now) {
         const duration lost = limits_.response + gaps_.quarantine;
@@ -215,15 +246,23 @@ template <class Model, class Exchange> class command_life {
     }
     // Another command takes the place of that under way.
     constexpr void leave_command() {
-        if (!slot_.is_idle() && slot_.kind() >= command_kind::endless_motion && slot_.run().has_written())
+        if (slot_.is_idle() || slot_.kind() < command_kind::endless_motion) return;
+        if (slot_.run().has_written() || slot_.kind() == command_kind::move)
             known_.model().preempt(slot_.command());
     }
     // Stops the drive although no command asks for it. While the drive's watchdog may have stopped it, any other request
     // may let it go on.
     [[gnu::noinline]] constexpr void stop(stop_priority how, owner by, std::uint8_t urgent, instant now) {
+        const prepared_command next = Model::stop_for(how, known_.cached(), known_.link().is_expired());
+        if (next.steps.empty()) return give_up_unstopped(now);
         leave_command();
-        slot_.command() = Model::stop_for(how, known_.cached(), known_.link().is_expired());
+        slot_.command() = next;
         begin(by, urgent, now);
+    }
+    // The model has no stop: the command under way ends, and nothing is known of the drive any more.
+    constexpr void give_up_unstopped(instant now) {
+        give_up(errc::bad_argument, now);
+        known_.invalidate();
     }
     [[gnu::noinline]] constexpr void begin(owner by, std::uint8_t urgent, instant now) {
         if (frame_.is_waiting(exchange_)) {
@@ -247,6 +286,9 @@ template <class Model, class Exchange> class command_life {
         if (is_lost) {
             if (!slot_.is_stopping()) give_up(why, now);
             known_.invalidate();
+            if constexpr (runs_without_line) {
+                if (why == errc::port_lost) known_.note_lost_port();
+            }
         }
         if (!link.is_expired()) {
             if (!link.is_overdue(now)) return is_lost;
@@ -261,13 +303,15 @@ template <class Model, class Exchange> class command_life {
     constexpr bool supervise(instant now) {
         known_.polling().note_age(now);
         const auto& supervisors = slot_.supervisors();
-        if (supervisors.is_stop_due(now) && slot_.is_idle()) {
+        if (slot_.is_idle() && (supervisors.is_stop_due(now) || is_stop_due_at_port())) {
+            const bool is_again = supervisors.is_stop_open();
             slot_.begin_tries();
-            stop(supervisors.open_stop(), owner::supervisor, supervisors.urgent_left(), now);
+            stop(is_again ? supervisors.open_stop() : stop_priority::halt, owner::supervisor,
+                 is_again ? supervisors.urgent_left() : steps::urgent_frames, now);
             return true;
         }
         if (!slot_.has_run_out(now)) return false;
-        if (!slot_.is_idle() && leaves_unknown()) known_.invalidate();
+        if (leaves_unknown()) known_.invalidate();
         stop(stop_priority::halt, owner::supervisor, slot_.give_up_to_supervisor(), now);
         return true;
     }

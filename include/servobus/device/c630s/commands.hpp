@@ -144,6 +144,9 @@ constexpr prepared_command stop_by_all_means(const cached_settings& cached) {
             .then = effect::stopped,
             .stop = stop_priority::disable};
 }
+constexpr prepared_command stop_sparing() {
+    return {.steps = routines::stop_all_sparing, .then = effect::stopped, .stop = stop_priority::disable};
+}
 } // namespace detail
 
 /// Servo off; waits until the motor is at standstill (up to 60 s) and its power is off (P02-10). The shaft is free

@@ -108,15 +108,17 @@ class model {
     }
     /// None is documented: a motor runs on when nothing is sent.
     static constexpr duration watchdog(const settings&) { return {}; }
-    /// A halt, or a quick stop where there is none.
+    /// A halt, or a quick stop where there is none. A drive of which nothing is known may keep each write in its EEPROM.
     static constexpr prepared_command stop_for(stop_priority priority, const settings& known, bool) {
+        if (!known.is_initialised()) return detail::stop_sparing();
         if (priority == stop_priority::disable) return detail::stop_by_all_means(known);
         const prepared_command c = plan(halt{}, known);
         return priority == stop_priority::halt && c.refusal == errc::ok ? c : plan(quick_stop{}, known);
     }
 
     /// A wait needs a move.
-    constexpr errc admit(const prepared_command& c, duration) {
+    constexpr errc admit(prepared_command& c, duration) {
+        if (c.then == effect::initialised && is_init_unanswered_) c.steps = routines::init_again;
         if (c.then == effect::arrived && !motion_.has_goal()) return errc::wrong_state;
         rivals_.forget();
         motion_.ask();
@@ -150,6 +152,8 @@ class model {
     /// What a command has changed. Steps that are put into `c` follow as a part of it. Returns the error that is
     /// reported in place of its success.
     constexpr errc learn(prepared_command& c, const ending& e, settings& known) {
+        if (c.then == effect::initialised)
+            is_init_unanswered_ = !e.is_done && e.status.outcome() == outcome::unknown;
         if (!e.is_done) {
             fail(c, e.steps, e.status, known);
             return errc::ok;
@@ -316,6 +320,7 @@ class model {
     word_order word_order_of_move_ = word_order::low_first;
     std::uint16_t response_delay_ms_ = 0;
     terminal_rivals rivals_{};
+    bool is_init_unanswered_ = false;
 };
 
 /// By which a plan finds the model of a node's device.

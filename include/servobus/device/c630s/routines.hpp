@@ -82,6 +82,20 @@ enum init_word : std::uint8_t {
     brake_delay_word, power_off_delay_word,
 };
 
+constexpr step* copied(const step* part, std::size_t size, step* to) {
+    for (std::size_t i = 0; i < size; ++i) to[i] = part[i];
+    return to + size;
+}
+/// Joins the parts of a table.
+template <std::size_t... N> constexpr auto joined(const step (&... parts)[N]) {
+    joined_steps<(N + ...)> table{};
+    step* end = table.all;
+    ((end = copied(parts, N, end)), ...);
+    return table;
+}
+
+/// Sent whether or not anything responds: what follows wears nothing if both arrive.
+inline constexpr step spare_first[] = {steps::repeatable(steps::write<eeprom_update>(off_on::off))};
 /// The motor may still run from a program that crashed: zero targets, servo off. The EEPROM is spared before
 /// the wait, so that trying again wears nothing. Then what the facade must know is read. Nothing moves and
 /// nothing is enabled.
@@ -100,6 +114,9 @@ inline constexpr step init[] = {
     steps::fetch<selected_fault_record>(record_word),
     steps::fetch<brake_on_to_command_delay, brake_off_to_power_off_delay>(brake_delay_word),
 };
+
+/// After an `init` without a response: each stop of another one would be kept in the EEPROM once more.
+inline constexpr auto init_again = joined(spare_first, init);
 
 /// The set-up, block by block: the shift chooses the block.
 inline constexpr step look_at_block[] = {
@@ -165,18 +182,6 @@ inline constexpr step set_two[] = {
 };
 
 // Enabling
-
-constexpr step* copied(const step* part, std::size_t size, step* to) {
-    for (std::size_t i = 0; i < size; ++i) to[i] = part[i];
-    return to + size;
-}
-/// Joins the parts of a table.
-template <std::size_t... N> constexpr auto joined(const step (&... parts)[N]) {
-    joined_steps<(N + ...)> table{};
-    step* end = table.all;
-    ((end = copied(parts, N, end)), ...);
-    return table;
-}
 
 /// Section 6.1..6.3. Targets are zeroed and read back, and whatever the factory's values would start by
 /// themselves: cyclic segments (arguments 1 and 2), homing, servo-on at power-on.
@@ -259,8 +264,12 @@ inline constexpr step halt_jog[] = {
     steps::expect_zero<target_speed, jog_speed>(errc::needs_init), // a restart brings others back
     until_standstill, wears_nothing,
 };
+/// Every means, for a drive of which nothing is known, that no program asks to stop: P0D-05 and P0C-13 wear nothing, and
+/// what follows them does not either.
+inline constexpr step stop_at_once_first[] = {stop_at_once};
 /// Every means, for a drive of which nothing is known, or that has a fault.
 inline constexpr step stop_all[]   = {servo_off, stop_by_targets, zero_torque, read_back_inputs, until_standstill, until_power_off};
+inline constexpr auto stop_all_sparing = joined(stop_at_once_first, spare_first, stop_all);
 inline constexpr step stop_all_marked[] = {stop_at_once, stop_by_targets, zero_torque, has_kept_marker, servo_off_marked, has_marker, until_standstill, until_power_off};
 /// Whether P0D-05 goes back to 0 by itself is not stated: no old target may be left then.
 inline constexpr step quick_stop[] = {stop_at_once, stop_by_targets, zero_torque, until_standstill};

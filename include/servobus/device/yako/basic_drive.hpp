@@ -72,6 +72,7 @@ class basic_drive : public facade<Model, Line> {
     /// wired stop, a limit switch or a software limit is its cause once `wait_reached` or `wait_standstill` has read
     /// the inputs, if they are still active.
     constexpr yako::arrival arrival() const {
+        if (this->is_move_beginning()) return {};
         yako::arrival a = this->model().arrival_of(this->image(), this->since_start(), this->cached());
         if (this->is_ended_by_fault(a.how)) a.how = arrival_state::stopped_short;
         if (a.how != arrival_state::stopped_short) return a;

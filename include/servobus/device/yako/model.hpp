@@ -207,8 +207,13 @@ template <class Device> class model {
         }
         return errc::ok;
     }
-    /// A motion was replaced that may have started.
-    constexpr void preempt(const prepared_command&) { motion_.forget(); }
+    /// A motion was replaced that may have started, or a move has failed. A bounded jog that is under way may continue.
+    constexpr void preempt(const prepared_command& c) {
+        if (c.then == effect::crept)
+            motion_.drop_goal();
+        else
+            motion_.forget();
+    }
 
     constexpr motion_check motion() const { return motion_.seen(); }
     constexpr stop_cause cause() const { return motion_.cause(); }

@@ -72,10 +72,13 @@ template <class Device> class motion_under_way {
     constexpr void note(motion_check what) { seen_ = what; }
     /// No bounded jog or hold is under way any more.
     constexpr void end_creep() { is_creeping_ = false; }
-    constexpr void forget() {
-        is_creeping_ = false;
+    constexpr void drop_goal() {
         has_goal_ = false;
         cause_ = stop_cause::unknown;
+    }
+    constexpr void forget() {
+        is_creeping_ = false;
+        drop_goal();
     }
     /// The move has stopped short. `words`: the feedback, and the functions of the inputs. An input that is active no
     /// more leaves the cause unknown.

@@ -136,7 +136,7 @@ template <class Drive> class axis_of_drive {
         return {wanted, place(), which_};
     }
     constexpr drive_state state() const { return drive_->state(); }
-    constexpr const cached_settings& cached() const { return drive_->cached(); }
+    constexpr cached_settings cached() const { return drive_->cached(); }
 
     /// Runs a move of this axis and waits for its end. Returns how that was; `none` if the move did not begin, as `last` says.
     template <class Move> axis_arrival run(const Move& move, const wait_reached& end) {

@@ -21,12 +21,13 @@ class commanded_motion {
     /// True if a command since the last feedback may have changed a speed: any but a read, a wait, and the twist that the drive
     /// has acknowledged last.
     constexpr bool is_new() const { return is_new_; }
-    /// True if the drive may have a target other than zero.
-    constexpr bool may_move() const { return may_move_; }
+    /// True if the drive may have had a target other than zero since the last feedback.
+    constexpr bool could_move() const { return could_move_; }
 
     constexpr void begin(const prepared_command& c) {
         note(c, c.steps);
         may_move_ = may_move_ || moves(c, c.steps);
+        could_move_ = could_move_ || may_move_;
     }
     /// Another command has replaced one that may have been carried out.
     constexpr void preempt() { has_twist_ = false; }
@@ -39,7 +40,10 @@ class commanded_motion {
         if (e.is_done && c.then == effect::motion) may_move_ = moves(c, e.steps);
         if (e.is_done && stops(c)) may_move_ = false;
     }
-    constexpr void note_feedback() { is_new_ = false; }
+    constexpr void note_feedback() {
+        is_new_ = false;
+        could_move_ = may_move_;
+    }
 
   private:
     static constexpr bool is_without_motion(const prepared_command& c) {
@@ -64,7 +68,8 @@ class commanded_motion {
     std::uint16_t left_ = 0; ///< of the twist that the drive has acknowledged
     std::uint16_t right_ = 0;
     bool has_twist_ = false;
-    bool may_move_ = false;
+    bool may_move_ = false; ///< now
+    bool could_move_ = false;
     bool is_new_ = false;
 };
 

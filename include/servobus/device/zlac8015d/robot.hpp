@@ -51,16 +51,13 @@ class robot_model : public counted_model {
         last_ = now;
         commanded_.note_feedback();
     }
-    /// True also where both wheels may have been at zero, where a restart puts them, and a restart may hide 1 mm and more.
+    /// True also where both wheels may have been at zero, where a restart puts them, and the robot may have moved.
     constexpr bool has_fallen(const block_feedback& r, const settings& known) const {
         if (model::has_fallen(r, known)) return true;
         const both_steps by = steps_between(wheels_in(r.before), wheels_in(r.words), r.between);
         if (!by.left.may_come_from_zero(by.left_swing) || !by.right.may_come_from_zero(by.right_swing))
             return false;
-        // In so short a time no wheel moves by 1 mm that its speeds do not show.
-        if (r.between <= milliseconds(24)) return !by.left.is_steady() || !by.right.is_steady();
-        return commanded_.is_new() || commanded_.may_move() || !by.left.is_at_rest() ||
-               !by.right.is_at_rest();
+        return commanded_.could_move() || !by.left.is_at_rest() || !by.right.is_at_rest();
     }
     /// The mode, from the first enable on: a drive that is disabled keeps it, and a restart loses it.
     static constexpr steps::recheck witness(const settings& known, const prepared_command& under_way) {

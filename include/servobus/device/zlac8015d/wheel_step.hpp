@@ -8,8 +8,8 @@
 //     constexpr zlac8015d::wheel_image before{.position = 640, .speed = 600}; // 60 r/min
 //     constexpr zlac8015d::wheel_step even{before, {718, 600}, milliseconds(20), 4096};
 //     constexpr zlac8015d::wheel_step restarted{before, {70, 600}, milliseconds(20), 4096};
-//     static_assert(even.is_steady() && even.bow() == 0);
-//     static_assert(!restarted.is_steady() && restarted.may_come_from_zero(0));
+//     static_assert(even.excess() == 0 && even.bow() == 0);
+//     static_assert(restarted.excess() > 80 && restarted.may_come_from_zero(0));
 #pragma once
 
 #include <cstdint>
@@ -33,10 +33,6 @@ class wheel_step {
                                                                                  now.position)},
           from_{way(before.speed, between, counts_per_turn)}, to_{way(now.speed, between, counts_per_turn)} {}
 
-    /// True if both speeds are one, within 8 counts of way, and the way is that of this speed, within a trembling and a 128th.
-    constexpr bool is_steady() const {
-        return magnitude(to_ - from_) <= 8 && magnitude(2 * moved_ - from_ - to_) <= 10 + (fastest() >> 6);
-    }
     /// True if the wheel was at rest in both, where it was.
     constexpr bool is_at_rest() const { return farthest() <= 5; }
     /// Bounds how far the wheel was from a steady way, as a mean over the time: by its change from one speed to the other at

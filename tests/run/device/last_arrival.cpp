@@ -1,0 +1,165 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// An arrival is that of the last move that was begun, for each drive: none while the next one begins, none if that fails, and
+// that of the move under way where another was refused as busy. A status and settings that a program keeps do not change.
+#include <cstdint>
+#include <type_traits>
+#include <utility>
+
+#include <doctest/doctest.h>
+
+#include <servobus/control/take_over.hpp>
+#include <servobus/control/wiring_status.hpp>
+
+#include <tests/support/driven_c630s.hpp>
+#include <tests/support/driven_yako.hpp>
+#include <tests/support/driven_zlac8015d.hpp>
+#include <tests/support/enabled_c630s.hpp>
+#include <tests/support/enabled_yako.hpp>
+#include <tests/support/enabled_zlac8015d.hpp>
+
+namespace last_arrival_tests {
+
+using namespace servobus;
+using namespace servobus::units;
+
+namespace {
+
+// A subject is a drive that is enabled for moves, a move of it, one that is out of range, and what ends its motion.
+struct wheels {
+    simulated::driven_zlac8015d r{};
+    wheels() { enabled_zlac8015d::be_enabled_in(r, zlac8015d::operating_mode::relative_position); }
+    static auto move() { return zlac8015d::move_by{4000 * zlac8015d::pulse, 4000 * zlac8015d::pulse}; }
+    static auto too_far() { return zlac8015d::move_by{distance{-0x7FFF'FFFF - 1}, distance{0}}; }
+    using distance = zlac8015d::distance;
+    void fail() { r.model.raise(zlac8015d::fault::overload, {}); }
+    void mend() { r.model.end_faults(); }
+    auto enabled() { return zlac8015d::enable_in{zlac8015d::operating_mode::relative_position}; }
+    void turn() {
+        const duration idle = r.drive.step();
+        r.wire.wait(idle.us == 0 ? microseconds(10) : idle);
+    }
+};
+struct stepper {
+    simulated::closed_axis r{};
+    stepper() { enabled_yako::take(r); }
+    static auto move() { return yako::move_by{4000 * yako::pulse}; }
+    static auto too_far() { return yako::move_by{4000 * yako::pulse, {{}, {}, {}, 30'000 * r_per_min}}; }
+    void fail() { r.model.raise_alarm(4); }
+    void mend() { r.model.end_alarm(); }
+    auto enabled() { return enable{}; }
+    void turn() { r.turn(); }
+};
+struct servo {
+    simulated::driven_c630s r{};
+    servo() {
+        using namespace c630s;
+        REQUIRE(r.make_ready());
+        REQUIRE(r.drive.run(position_segments{.type = displacement_type::relative}));
+        REQUIRE(r.drive.run(segment{1, 4000 * reference_unit, 600 * r_per_min, 20 * millisecond}));
+        REQUIRE(r.drive.run(enable_in{control_mode::position}));
+    }
+    static auto move() { return c630s::start_segment{1}; }
+    void turn() { r.turn(); }
+};
+
+} // namespace
+
+TEST_CASE_TEMPLATE("G34: while a move begins there is no arrival, and none stays if it fails", S, wheels,
+                   stepper) {
+    S s;
+    auto& drive = s.r.drive;
+    REQUIRE(drive.run(S::move(), wait_reached{}).how == arrival_state::reached);
+    REQUIRE(drive.begin(S::move()) == errc::ok);
+    unsigned begins = 0;
+    for (; !drive.is_idle(); ++begins) {
+        CHECK(drive.arrival().how == arrival_state::none);
+        REQUIRE(begins < 100'000);
+        s.turn();
+    }
+    CHECK(begins > 10);
+    REQUIRE(drive.last());
+    REQUIRE(drive.run(wait_reached{}));
+    CHECK(drive.arrival().how == arrival_state::reached);
+    SUBCASE("a fault before its start") {
+        s.fail();
+        REQUIRE(drive.read());
+        CHECK(drive.run(S::move()).error() == errc::faulted);
+        CHECK(drive.arrival().how == arrival_state::none);
+        s.mend();
+        REQUIRE(drive.run(fault_reset{}));
+        REQUIRE(drive.run(s.enabled()));
+    }
+    SUBCASE("a value out of range") { CHECK(drive.run(S::too_far()).error() == errc::out_of_range); }
+    SUBCASE("no consent to move: it is disabled") {
+        REQUIRE(drive.run(disable{}));
+        CHECK(drive.run(S::move()).error() == errc::wrong_state);
+    }
+    SUBCASE("a stop in its place") {
+        REQUIRE(drive.begin(S::move()) == errc::ok);
+        REQUIRE(drive.run(quick_stop{}));
+    }
+    CHECK(drive.arrival().how == arrival_state::none);
+    CHECK(drive.run(wait_reached{}).error() == errc::wrong_state);
+}
+
+TEST_CASE_TEMPLATE("G34: a move that is refused as busy leaves the one under way its target", S, wheels,
+                   stepper) {
+    S s;
+    auto& drive = s.r.drive;
+    REQUIRE(drive.run(S::move()));
+    CHECK(drive.run(S::move()).error() == errc::busy); // as the drive shows
+    REQUIRE(drive.arrival().how == arrival_state::under_way);
+    REQUIRE(drive.begin(wait_reached{}) == errc::ok);
+    CHECK(drive.begin(S::move()) == errc::busy); // as the wait is under way
+    for (unsigned i = 0; !drive.is_idle(); ++i) {
+        REQUIRE(i < 100'000);
+        s.turn();
+    }
+    CHECK(drive.last());
+    CHECK(drive.arrival().how == arrival_state::reached);
+}
+
+TEST_CASE("G34: a C630S has no arrival while its next segment begins, nor if that is refused") {
+    servo s;
+    auto& drive = s.r.drive;
+    REQUIRE(drive.run(servo::move(), wait_reached{}).how == arrival_state::reached);
+    REQUIRE(drive.begin(servo::move()) == errc::ok);
+    unsigned begins = 0;
+    for (; !drive.is_idle(); ++begins) {
+        CHECK(drive.arrival().how == arrival_state::none);
+        REQUIRE(begins < 100'000);
+        s.turn();
+    }
+    CHECK(begins > 10);
+    REQUIRE(drive.last());
+    CHECK(drive.arrival().how == arrival_state::under_way);
+    REQUIRE(drive.run(wait_reached{}));
+    CHECK(drive.arrival().how == arrival_state::reached);
+    REQUIRE(drive.run(disable{}));
+    CHECK(drive.run(servo::move()).error() == errc::wrong_state);
+    CHECK(drive.arrival().how == arrival_state::none);
+    CHECK(drive.run(wait_reached{}).error() == errc::wrong_state);
+}
+
+TEST_CASE("the status and the settings that a program keeps are those of when it asked") {
+    simulated::driven_zlac8015d r;
+    REQUIRE(r.drive.run(init{}));
+    (void)r.drive.run(zlac8015d::velocity{30 * r_per_min, 30 * r_per_min}); // refused: not enabled
+    const auto& status = r.drive.last();
+    const auto& settings = r.drive.cached();
+    REQUIRE(status.error() == errc::wrong_state);
+    REQUIRE(r.drive.read());
+    REQUIRE(r.drive.run(zlac8015d::resolution{10}));
+    CHECK(r.drive.last());
+    CHECK(r.drive.cached().resolution == 10);
+    CHECK(status.error() == errc::wrong_state);
+    CHECK(settings.resolution == 1);
+    static_assert(!std::is_reference_v<decltype(r.drive.last())> &&
+                  !std::is_reference_v<decltype(r.drive.cached())>);
+    static_assert(!std::is_reference_v<decltype(std::declval<const take_over_status&>().command())> &&
+                  !std::is_reference_v<decltype(std::declval<const wiring_status&>().status())>);
+}
+
+} // namespace last_arrival_tests
