@@ -39,9 +39,6 @@ enum class errc : std::uint8_t {
     receive_failed, ///< the port failed while receiving
     port_lost,      ///< the port no longer exists (unplugged, closed)
     clock_stopped,  ///< the port's clock does not advance
-    // opening a serial port whose system switches the RS-485 driver
-    rs485_refused, ///< the system or the port's driver cannot switch an RS-485 driver as asked
-    rs485_late,    ///< the RS-485 driver would be switched off later than t3.5 after the last stop bit
     // the local echo of an adapter that receives what it sends
     no_echo,   ///< the echo did not arrive within the time that sending takes
     collision, ///< the echo differs from the request: another device transmitted
@@ -70,6 +67,9 @@ enum class errc : std::uint8_t {
     preempted,        ///< a stop pre-empted the routine
     command_timeout,  ///< the program commanded nothing for its command timeout: the drive was stopped
     already_assigned, ///< another terminal already has this function; nothing was written
+    // opening a serial port whose system switches the RS-485 driver
+    rs485_refused, ///< the system or the port's driver cannot switch an RS-485 driver as asked
+    rs485_late,    ///< the RS-485 driver would be switched off later than t3.5 after the last stop bit
 };
 
 /// A short English description of the error.
