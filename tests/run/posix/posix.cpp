@@ -419,7 +419,7 @@ TEST_CASE("a rate without a constant is refused where the system has no way to s
     serial host;
     CHECK(host.open(drive.path(), {.baud = 128'000}) == errc::bad_argument);
     CHECK(host.open(drive.path(), {.baud = 115'200}) == errc::ok);
-    CHECK(host.open(drive.path(), {.rs485 = true}) == errc::bad_argument);
+    CHECK(host.open(drive.path(), {.rs485 = true}) == errc::rs485_refused);
 }
 
 #endif
