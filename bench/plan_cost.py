@@ -5,7 +5,7 @@
 Compiling: the instructions that the compilers execute for a program that makes a bus of the plan, steps it and asks for
 the values of each read. They are counted for 31 reads and for 247, one of each node that a line can have. Fails if each
 further read costs more than its bound (for g++ 12 and clang++ 14): the compiler's work must not grow with the square of
-the number of reads. Fails if a figure is more than 1 % from bench/figures/plan_cost.tsv, counted with the same compiler.
+the number of reads. Fails if a figure is more than 1 % from bench/figures/plan_cost.tsv, with the same compiler.
 
 Running: the instructions of a step while no read is due (bench_idle_step.cpp). Fails if they are more with 60 reads
 than with 2, but for a tenth.

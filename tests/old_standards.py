@@ -1,7 +1,7 @@
 # SPDX-FileCopyrightText: The servobus authors
 # SPDX-License-Identifier: BSL-1.0
-"""Checks that a compiler which is not set to C++20 is refused by a sentence, before any other error and without pages of
-them, in each header that a program may include; and that MSVC's macro decides where it is defined.
+"""Checks that a compiler which is not set to C++20 is refused by a sentence, before any other error and without pages
+of them, in each header that a program may include; and that MSVC's macro decides where it is defined.
 
 old_standards.py [COMPILER...]               g++ and clang++ if none is given
 JOBS in the environment: compilers at a time, 2 if not given

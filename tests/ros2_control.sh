@@ -3,8 +3,9 @@
 # SPDX-License-Identifier: BSL-1.0
 #
 # The hardware interface of examples/ros2_control, against stand-ins for the public headers of ros2_control (Humble,
-# Jazzy and Rolling): it compiles, its package builds, its files agree, and it behaves as the controller manager needs, over a simulated
-# drive in virtual time and over a pseudo-terminal in real time. Installs missing packages (Debian, Ubuntu).
+# Jazzy and Rolling): it compiles, its package builds, its files agree, and it behaves as the controller manager needs,
+# over a simulated drive in virtual time and over a pseudo-terminal in real time. Installs missing packages (Debian,
+# Ubuntu).
 #   sh tests/ros2_control.sh            everything
 #   sh tests/ros2_control.sh virtual    all but the pseudo-terminal
 #   sh tests/ros2_control.sh terminal   the pseudo-terminal alone

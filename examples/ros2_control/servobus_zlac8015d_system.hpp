@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: BSL-1.0
 //
 // Adapts a ZLAC8015D with two wheels to ros2_control: the hardware interface of a differential drive, in rad and rad/s. Its
-// `on_init` is that of the installed release, Humble, Jazzy or Rolling; its `export_*_interfaces()` are those of Humble,
-// which the others call as well.
+// `on_init` is that of the installed release, Humble, Jazzy or Rolling. Its `export_*_interfaces()` are those of
+// Humble, which the others call as well.
 #pragma once
 
 #include <cstddef>

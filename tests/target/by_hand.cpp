@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: BSL-1.0
 //
 // The job written by hand, without the library: the floor of the picture in bench/README.md. Two constant frames with
-// their CRC; a response is awaited for 100 ms, and its length and CRC are checked by a table of 16 entries. It keeps none
-// of the promises: no gap, no check of address, function and counts, no exception, no retry, no late response.
+// their CRC; a response is awaited for 100 ms, and its length and CRC are checked by a table of 16 entries. It keeps
+// none of the promises: no gap, no check of address, function and counts, no exception, no retry, no late response.
 #include "board.hpp"
 
 namespace {

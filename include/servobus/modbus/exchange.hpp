@@ -159,8 +159,8 @@ class basic_exchange : gathering<std::uint16_t, Lengths> {
     constexpr phase state() const { return phase_; }
     /// Before it is sent: the response is judged as `modbus::like` says, where that is not the request's own function.
     constexpr void judge_like(std::uint8_t code) { like_ = code; }
-    /// Before it is sent: the response is the function alone, 4 bytes with address and CRC. No effect where the function
-    /// fixes more. `response` has room for an exception.
+    /// Before it is sent: the response is the function alone, 4 bytes with address and CRC. No effect where the
+    /// function fixes more. `response` has room for an exception.
     constexpr void expect_function_alone() {
         if (like_ == like_none && phase_ == phase::ready && !is_broadcast()) length_ = min_frame;
     }

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// A response that is the function alone, as PZEM meters answer the reset of their energy: 42h by 01 42 80 11. It is received
-// by every form of the library, and is never mistaken for an echo, an exception or another function.
+// A response that is the function alone, as PZEM meters answer the reset of their energy: 42h by 01 42 80 11. Every
+// form of the library receives it, and takes no echo, exception or other function for it.
 #include <doctest/doctest.h>
 
 #include <array>

@@ -1,9 +1,9 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Repeats the base class of a hardware with several joints, and its defaults (hardware_interface of Rolling), without its
-// node, its asynchronous thread and the interfaces that the framework exports itself. It has no `on_init` with a HardwareInfo.
-// The other headers are those of ros2_jazzy.
+// Repeats the base class of a hardware with several joints, and its defaults (hardware_interface of Rolling), without
+// its node, its asynchronous thread and the interfaces that the framework exports itself. It has no `on_init` with a
+// HardwareInfo. The other headers are those of ros2_jazzy.
 #pragma once
 
 #include <string>
