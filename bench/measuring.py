@@ -42,10 +42,29 @@ def recorded(path):
     return [line.split("\t") for line in lines if line and not line.startswith("#")]
 
 
-def record(path, lines):
+def record(path, lines, compiler="", comment=""):
     """Writes a file of figures, and what is made of them in bench/README.md."""
-    (ROOT / path).write_text("\n".join([*lines, ""]), encoding="utf-8")
+    head = [f"# {version_of(*compiler.split())}", comment] if compiler else []
+    (ROOT / path).write_text("\n".join([*head, *lines, ""]), encoding="utf-8")
     show(sys.executable, "-B", "bench/readme.py")
+
+
+def version_of(*compilers):
+    """The first line of a file of figures that these compilers have counted."""
+    return ", ".join(f"{name} {must(name, '-dumpversion').strip().split('.')[0]}" for name in compilers)
+
+
+def recorded_with(compiler, path):
+    """The figures of a file by their names; None if another compiler has counted them."""
+    first = (ROOT / path).read_text(encoding="utf-8").split("\n")[0].removeprefix("# ").split(", ")
+    return {name: figures for name, *figures in recorded(path)} if version_of(compiler) in first else None
+
+
+def is_near(counted, known, name):
+    """False if a figure is more than 1 % from the recorded one, or none is recorded."""
+    if known is None:
+        return True
+    return name in known and abs(counted - int(known[name][0])) * 100 <= int(known[name][0])
 
 
 def need_compiler():

@@ -8,7 +8,6 @@ readme.py --check    checks that the page has all of them as recorded
 import re
 import sys
 
-import include_cost
 import instructions
 from measuring import ROOT, recorded
 
@@ -36,6 +35,11 @@ OPERATIONS = {
     "transaction 03 x10": "transaction: read ten",
     "transaction 10h x10": "transaction: write ten",
 }
+
+
+def server():
+    for name, *figures in recorded("tests/target/server.tsv"):
+        yield [name.replace("alone", "ten holding registers"), *figures]
 
 
 def on_a_host():
@@ -94,13 +98,22 @@ def operations():
             yield [name, *figures, "", ""]
 
 
+def included():
+    """Billions of instructions of the compiler."""
+    labels = {"span": "`<span>` alone, which is not included"}
+    for name, millions in recorded("bench/figures/include_cost.tsv"):
+        label = f"... and `{name}`" if name.startswith("device/") else f"`{name}`"
+        yield [labels.get(name, label), f"{int(millions) / 1000:.2f}"]
+
+
 TABLES = {"instructions": on_a_host, "bus": bus, "early bus": early_bus, "small core": small_core,
-          "facade and bus": facade_and_bus, "operations": operations}
+          "facade and bus": facade_and_bus, "other tables": lambda: recorded("tests/target/calls.tsv"),
+          "operations": operations, "server": server, "include cost": included}
 
 
-def included(device):
-    """Billions of instructions; the bound, in millions, is 3 % above the counted figure."""
-    return f"{include_cost.BOUNDS[device] / 1030:.2f}"
+def of_a_read(thousands):
+    """Millions of instructions."""
+    return f"{int(thousands) / 1000:.1f}"
 
 
 def sentences():
@@ -123,11 +136,15 @@ def sentences():
         (r"CI fails above (\S+) and (\S+) instructions a byte", fast),
         (r"and above (\S+) and (\S+) for the byte-wise one", byte_wise),
         (r"(\d+) bytes of flash, (\d+) of RAM for the line and its client, (\d+) of stack, (\d+) instructions",
-         quoted("tests/target/run.sh", r'"blocking line on cortex-m0plus"\) echo (\d+) (\d+) (\d+) (\d+)')),
+         recorded("tests/target/budgets.tsv")[0][1:5]),
         (r"are (\d+) bytes, and (\d+) instructions in the first row",
          [str(int(first[7]) - int(first[2])), str(int(first[8]) - int(first[5]))]),
-        (r"is the floor, (\d+) bytes", [recorded("bench/peers/recorded.tsv")[0][1]]),
-        *((rf"`device/{device}\.hpp` \| (\S+) \|", [included(device)]) for device in ("zlac8015d", "yako", "c630s")),
+        (r"is the floor, (\d+) bytes and (\d+) instructions", recorded("bench/peers/recorded.tsv")[0][1::3]),
+        (r"costs g\+\+ 12 (\S+) million instructions and clang\+\+ 14 (\S+) million",
+         [of_a_read(thousands) for _, thousands in recorded("bench/figures/plan_cost.tsv")]),
+        (r"CI fails above (\S+) and (\S+) million",
+         [f"{int(bound) / 1000:g}"
+          for bound in quoted("bench/plan_cost.py", r'BOUNDS = {"g\+\+": (\d+), "clang\+\+": (\d+)}')]),
     ]
 
 

@@ -9,11 +9,14 @@ times: bench/plot.py measures those of the CRC.
 from measuring import show
 
 for command in ("sh tests/target/run.sh --record",
+                "sh tests/target/server.sh --record",
                 "sh tests/target/operations.sh --record",
                 "sh tests/target/axis.sh --record",
                 "python3 -B bench/sizes.py --record",
                 "python3 -B bench/instructions.py --record",
                 "env CXX=clang++ python3 -B bench/instructions.py --record",
+                "python3 -B bench/include_cost.py --record",
+                "python3 -B bench/plan_cost.py --record",
                 "python3 -B bench/bus.py --record",
                 "python3 -B bench/plot.py --sizes",
                 "python3 -B bench/readme.py --check",

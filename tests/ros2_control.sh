@@ -2,9 +2,10 @@
 # SPDX-FileCopyrightText: The servobus authors
 # SPDX-License-Identifier: BSL-1.0
 #
-# The hardware interface of examples/ros2_control, against stand-ins for the public headers of ros2_control (Humble and
-# Jazzy): it compiles, its package builds, its files agree, and it behaves as the controller manager needs, over a simulated
-# drive in virtual time and over a pseudo-terminal in real time. Installs missing packages (Debian, Ubuntu).
+# The hardware interface of examples/ros2_control, against stand-ins for the public headers of ros2_control (Humble,
+# Jazzy and Rolling): it compiles, its package builds, its files agree, and it behaves as the controller manager needs,
+# over a simulated drive in virtual time and over a pseudo-terminal in real time. Installs missing packages (Debian,
+# Ubuntu).
 #   sh tests/ros2_control.sh            everything
 #   sh tests/ros2_control.sh virtual    all but the pseudo-terminal
 #   sh tests/ros2_control.sh terminal   the pseudo-terminal alone
@@ -36,8 +37,10 @@ trap clean_up EXIT
 strict="-Wall -Wextra -Wpedantic -Wconversion -Wsign-conversion -Wold-style-cast -Wshadow -Werror"
 common="-std=c++20 -O1 $strict -D_GLIBCXX_ASSERTIONS -Iinclude -I. -isystem tests/ports/stubs/ros2"
 humble="$common -isystem tests/ports/stubs/ros2_humble"
-# Jazzy deprecates the only form that Humble has.
+# Jazzy deprecates the only form of the exported interfaces that Humble has. Rolling has one form of on_init left.
 jazzy="$common -isystem tests/ports/stubs/ros2_jazzy -DSTAND_IN_JAZZY -Wno-deprecated-declarations"
+rolling="$common -isystem tests/ports/stubs/ros2_rolling -isystem tests/ports/stubs/ros2_jazzy -DSTAND_IN_JAZZY
+    -Wno-deprecated-declarations"
 sanitized="-fsanitize=address,undefined -fno-sanitize-recover=all"
 plugin=examples/ros2_control/servobus_zlac8015d_system.cpp
 log=$build/log
@@ -85,7 +88,9 @@ if [ "$part" != terminal ]; then
     for source in losses hostile; do
         check "clang++ with sanitizers, Jazzy: $source" in_virtual_time $source clang++ $jazzy $sanitized
     done
+    check "g++, Rolling: lifecycle" in_virtual_time lifecycle g++ $rolling
     check "g++, Jazzy: the plugin compiles" g++ $jazzy -fsyntax-only $plugin
+    check "clang++, Rolling: the plugin compiles" clang++ $rolling -fsyntax-only $plugin
     if command -v g++-11 >/dev/null 2>&1; then # the compiler of Ubuntu 22.04, which Humble is for
         check "g++ 11, Humble: the plugin compiles" g++-11 $humble -fsyntax-only $plugin
     fi

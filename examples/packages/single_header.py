@@ -5,6 +5,7 @@
 Each header becomes a part with an include guard of its own, so that several joined headers work in one program, in any
 order. The other headers that a header includes before its code move to the top of the joined one. An include that
 follows code or is inside #if stays where it is, since it may depend on it; for a header of ours there is no such place.
+An include in quotes right after an #error ends the compilation and stays too.
 """
 import functools
 import re
@@ -13,6 +14,7 @@ OWN = re.compile(r"#\s*include\s*<servobus/([^>]+)>")
 FOREIGN = re.compile(r"#\s*include\s*(<[^>]+>)")
 IF = re.compile(r"#\s*if")
 ENDIF = re.compile(r"#\s*endif")
+ERROR = re.compile(r"#\s*error\b")
 GUARDS = re.compile(r"#\s*pragma\s+once\b|// SPDX-")
 
 
@@ -43,7 +45,7 @@ def split(header, text):
             own.append(found[1])
         elif (found := FOREIGN.match(directive)) and not is_conditional:
             foreign.append(found[1])
-        elif re.match(r'#\s*include\s*"', directive):
+        elif re.match(r'#\s*include\s*"', directive) and not (body and ERROR.match(body[-1])):
             raise CannotJoin(f"{header}:{number}: an include that is not in <>")
         elif GUARDS.match(directive) or (not code_began and not directive and body[-1:] == [""]):
             continue

@@ -46,7 +46,7 @@ template <class Port> class robot_hardware {
         how.baud = wanted.baud;
         how.rs485 = wanted.rs485;
         if (const servobus::errc e = port_.open(wanted.port.c_str(), how); e != servobus::errc::ok)
-            return "cannot open " + wanted.port + ": " + system_error();
+            return "cannot open " + wanted.port + ": " + open_error(e);
         line_.emplace(port_, servobus::modbus::timing_at(wanted.baud));
         drive_.emplace(
             *line_, node(),
@@ -144,6 +144,10 @@ template <class Port> class robot_hardware {
     servobus::node<servobus::zlac8015d::device> node() const {
         const servobus::node<servobus::zlac8015d::device> at{static_cast<std::uint8_t>(chosen_.node)};
         return prompt(at, servobus::milliseconds(chosen_.response_ms));
+    }
+    std::string open_error(servobus::errc why) const {
+        const bool is_rs485 = why == servobus::errc::rs485_refused || why == servobus::errc::rs485_late;
+        return is_rs485 ? servobus::text(why) : system_error();
     }
     std::string system_error() const { return std::generic_category().message(port_.os_error()); }
 

@@ -2,7 +2,8 @@
 // SPDX-License-Identifier: BSL-1.0
 //
 // Adapts a ZLAC8015D with two wheels to ros2_control: the hardware interface of a differential drive, in rad and rad/s. Its
-// `on_init(const HardwareInfo&)` and `export_*_interfaces()` are those of Humble, which Jazzy calls as well.
+// `on_init` is that of the installed release, Humble, Jazzy or Rolling. Its `export_*_interfaces()` are those of
+// Humble, which the others call as well.
 #pragma once
 
 #include <cstddef>
@@ -16,6 +17,9 @@
 #include "hardware_interface/types/hardware_interface_type_values.hpp"
 #include "rclcpp/rclcpp.hpp"
 #include "rclcpp_lifecycle/state.hpp"
+#if __has_include("hardware_interface/types/hardware_component_interface_params.hpp") // not in Humble
+#include "hardware_interface/types/hardware_component_interface_params.hpp"
+#endif
 
 #include <servobus/posix/serial.hpp>
 
@@ -31,6 +35,11 @@ namespace servobus_ros2_control {
 template <class Port> class basic_zlac8015d_system : public hardware_interface::SystemInterface {
     using state = rclcpp_lifecycle::State;
     using return_type = hardware_interface::return_type;
+#if __has_include("hardware_interface/types/hardware_component_interface_params.hpp")
+    using init_parameters = hardware_interface::HardwareComponentInterfaceParams;
+#else
+    using init_parameters = hardware_interface::HardwareInfo;
+#endif
 
   public:
     using CallbackReturn = hardware_interface::CallbackReturn;
@@ -39,10 +48,10 @@ template <class Port> class basic_zlac8015d_system : public hardware_interface::
     /// Stops an active drive: Humble destroys components without `on_shutdown`.
     ~basic_zlac8015d_system() override { (void)stop(); }
 
-    using SystemInterface::on_init; // Jazzy has another one, which calls this one
-    CallbackReturn on_init(const hardware_interface::HardwareInfo& info) override {
-        if (SystemInterface::on_init(info) != CallbackReturn::SUCCESS) return CallbackReturn::ERROR;
-        const described_hardware read = read_description(info);
+    using SystemInterface::on_init; // Jazzy has both forms
+    CallbackReturn on_init(const init_parameters& given) override {
+        if (SystemInterface::on_init(given) != CallbackReturn::SUCCESS) return CallbackReturn::ERROR;
+        const described_hardware read = read_description(info_);
         if (!read.error.empty()) return fail(read.error, CallbackReturn::ERROR);
         chosen_ = read.chosen;
         return CallbackReturn::SUCCESS;

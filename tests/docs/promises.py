@@ -32,7 +32,7 @@ def named():
 def names_of(kind):
     """The names of an enumeration in core/status.hpp."""
     body = re.search(rf"^enum class {kind}\b.*?^}};", text_of("include/servobus/core/status.hpp"), re.M | re.S)[0]
-    return re.findall(r"^    ([a-z_]+)", body, re.M)
+    return re.findall(r"^    ([a-z]\w*)", body, re.M)
 
 
 def nothing(found, why):

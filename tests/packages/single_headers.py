@@ -4,7 +4,7 @@
 import re
 
 from package_tree import folder, make_tree, maker, out
-from checks import ROOT, check, expect, finish, must, need, passes
+from checks import ROOT, check, expect, finish, must, need, passes, run
 
 need("g++", "g++")
 need("clang++", "clang", "libc6-dev")
@@ -58,4 +58,7 @@ for name, options in COMPILERS.items():
         check(f"{name}: the README's first programs with single headers", readme_programs, name)
 passes("g++: servobus.hpp computes no table of a CRC", "g++", "-std=c++20", f"-I{out}/single", "-fsyntax-only",
        "-fconstexpr-ops-limit=2000", "-x", "c++", "-", typed="#include <servobus.hpp>\n")
+done = run("g++", "-std=c++17", f"-I{out}/single", "-fsyntax-only", "-x", "c++", "-", typed="#include <servobus.hpp>\n")
+check("g++ as C++17: servobus.hpp is refused in few lines", expect,
+      "servobus needs C++20" in done.stdout and done.stdout.count("\n") < 15, done.stdout)
 finish()

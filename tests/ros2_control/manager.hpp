@@ -29,6 +29,20 @@ inline double value_of(const hardware_interface::StateInterface& of) {
 #endif
 }
 
+/// What the framework gives to `on_init`.
+#ifdef STAND_IN_JAZZY
+inline hardware_interface::HardwareComponentInterfaceParams
+parameters_of(const hardware_interface::HardwareInfo& info) {
+    hardware_interface::HardwareComponentInterfaceParams given;
+    given.hardware_info = info;
+    return given;
+}
+#else
+inline const hardware_interface::HardwareInfo& parameters_of(const hardware_interface::HardwareInfo& info) {
+    return info;
+}
+#endif
+
 /// A component with its state, as the framework's resource manager keeps it.
 class component {
   public:
@@ -39,7 +53,8 @@ class component {
     unsigned errors() const { return errors_; }
 
     void initialise(const hardware_interface::HardwareInfo& info) {
-        change(of_.on_init(info), primary::PRIMARY_STATE_UNCONFIGURED, primary::PRIMARY_STATE_FINALIZED);
+        change(of_.on_init(parameters_of(info)), primary::PRIMARY_STATE_UNCONFIGURED,
+               primary::PRIMARY_STATE_FINALIZED);
         if (state_ != primary::PRIMARY_STATE_UNCONFIGURED) return;
         states_ = of_.export_state_interfaces();
         commands_ = of_.export_command_interfaces();

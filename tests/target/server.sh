@@ -3,13 +3,18 @@
 # SPDX-License-Identifier: BSL-1.0
 #
 # What a server of rows adds to the program of a small core: flash, static RAM with the values of the rows, stack, and
-# the instructions of a read of twelve words without the user's functions. Fails if a response is wrong or a figure is
-# above its budget.   sh tests/target/server.sh
+# the instructions of a read of twelve words without the user's functions. Fails if a response is wrong, or a figure is
+# above its budget or differs from the recorded one in server.tsv, which bench/README.md shows.
+#   sh tests/target/server.sh [--record]    --record: writes the figures there, and into bench/README.md
 set -eu
 cd "$(dirname "$0")/../.."
 
 . tests/target/measure.sh
 
+recorded=$here/server.tsv
+recording=0
+[ "${1:-}" != --record ] || recording=1
+printf '%s\n' "# $compiler" "# server, on a Cortex-M0+: flash RAM stack instructions" >"$work/figures"
 status=0
 line='%-44s%-14s%7s%6s%7s%14s'
 # shellcheck disable=SC2059
@@ -37,6 +42,13 @@ server() { # NAME BUDGETS FLAGS...: flash, RAM, stack and instructions on the Co
                 [ "$figure" -le "${left%% *}" ] || verdict="  ABOVE ITS BUDGET $budgets" status=1
                 left=${left#* }
             done
+            printf '%s\t%s\n' "$name" "$(echo "$now" | tr ' ' '\t')" >>"$work/figures"
+            if [ "$recording" = 0 ]; then
+                old=$(awk -F'\t' -v n="$name" '$1 == n { print $2, $3, $4, $5 }' "$recorded")
+                is_as_recorded "$now" "${old:-0 0 0 0}" "$recorded"
+                [ "$is_recorded" = 1 ] || verdict="$verdict  RECORDED: ${old:-nothing}"
+            fi
+            [ -z "$verdict" ] || status=1
         fi
         # shellcheck disable=SC2059,SC2086
         printf "$line%s\n" "$name" "$core" $now "$verdict"
@@ -51,5 +63,13 @@ server "... functions 16h and 17h" "1620 92 180 1700" -DOPTIONS=,with_mask_write
 server "... function 2Bh" "1580 92 164 1650" "-DOPTIONS=,with_identification<about>"
 server "... two hooks" "1380 96 164 1650" -DHOOKS
 
-[ "$status" = 0 ] && echo "target/server.sh: all within their budgets" || echo "target/server.sh: FAILED"
+if [ "$status" != 0 ]; then
+    echo "target/server.sh: FAILED; if the figures are meant to be these: python3 -B bench/record.py"
+elif [ "$recording" = 1 ]; then
+    cp "$work/figures" "$recorded"
+    python3 -B bench/readme.py
+    echo "target/server.sh: recorded in $recorded and bench/README.md"
+else
+    echo "target/server.sh: all as in $recorded ($tolerance)"
+fi
 exit "$status"

@@ -26,7 +26,7 @@ template <class Line, device_class Device, class Node> struct open_responses<raw
         static_assert(Line::lengths::are_open,
                       "this line has responses of known lengths only: make it with modbus::open_lengths");
         constexpr std::size_t longest_pdu = Line::longest_frame - 3;
-        if (!of.node_.is_valid() || pdu.empty() || pdu.size() > longest_pdu || response_pdu.size() < 2)
+        if (!of.node_.is_valid() || pdu.empty() || pdu.size() > longest_pdu || response_pdu.empty())
             return errc::bad_argument;
         std::uint8_t request[modbus::max_frame]{};
         std::uint8_t response[modbus::max_frame]{};
@@ -40,7 +40,9 @@ template <class Line, device_class Device, class Node> struct open_responses<raw
             const status why = of.transact(pdu, whole);
             return why ? result<bytes>{bytes{whole}} : why;
         }
-        const std::size_t most = response_pdu.size() < longest_pdu ? response_pdu.size() : longest_pdu;
+        // An exception has two bytes.
+        const std::size_t asked = response_pdu.size() < 2 ? std::size_t{2} : response_pdu.size();
+        const std::size_t most = asked < longest_pdu ? asked : longest_pdu;
         typename own::template exchange_for<false, true> x{sent,
                                                            byte_buffer{response}.first(most + 3),
                                                            rule,
@@ -57,6 +59,7 @@ template <class Line, device_class Device, class Node> struct open_responses<raw
         request_machine call = request_machine::transaction();
         (void)call.goes_on(why, of.node_, same_bytes(bytes{response}.first(size), sent),
                            of.line_->is_echo_ruled_out());
+        if (why && size - 3 > response_pdu.size()) why = status::sent(errc::too_long);
         if (!why) return why;
         for (std::size_t i = 0; i < size - 3; ++i) response_pdu[i] = response[i + 1];
         return bytes{response_pdu}.first(size - 3);

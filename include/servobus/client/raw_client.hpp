@@ -110,11 +110,12 @@ class raw_client : protected detail::node_link<Line, Device, Node> {
     }
 
     /// Sends any PDU; the response's PDU must fill `response_pdu` exactly, or be an exception. Never retried.
+    /// A response of one byte is the function alone.
     /// Errors: as `read_words`, and `bad_argument` for an empty PDU, one that is too long, or no room for a
     /// response. On a `blocking_line`, whose frames have at most 255 bytes, a PDU has at most 252.
     constexpr status transact(bytes pdu, byte_buffer response_pdu) {
         constexpr std::size_t longest_pdu = Line::longest_frame - 3;
-        if (!node_.is_valid() || pdu.empty() || pdu.size() > longest_pdu || response_pdu.size() < 2 ||
+        if (!node_.is_valid() || pdu.empty() || pdu.size() > longest_pdu || response_pdu.empty() ||
             response_pdu.size() > longest_pdu)
             return errc::bad_argument;
         std::uint8_t request[modbus::max_frame]{};
@@ -126,7 +127,10 @@ class raw_client : protected detail::node_link<Line, Device, Node> {
         const byte_buffer room = byte_buffer{response}.first(response_pdu.size() + 3);
         const u16 expected = modbus::expected_response(sent);
         if (expected != modbus::any_length && expected != room.size()) return errc::bad_argument;
-        exchange_for<false, true> x{sent, room, line_->timing(), node_.limits, node_.priority};
+        const std::size_t with_exception = room.size() < 5 ? std::size_t{5} : room.size();
+        exchange_for<false, true> x{sent, byte_buffer{response}.first(with_exception), line_->timing(),
+                                    node_.limits, node_.priority};
+        if (room.size() < with_exception) x.expect_function_alone();
         if (x.response_size() != room.size()) return errc::bad_argument;
         request_machine call = request_machine::transaction();
         status why = run(x);

@@ -67,6 +67,9 @@ enum class errc : std::uint8_t {
     preempted,        ///< a stop pre-empted the routine
     command_timeout,  ///< the program commanded nothing for its command timeout: the drive was stopped
     already_assigned, ///< another terminal already has this function; nothing was written
+    // opening a serial port whose system switches the RS-485 driver
+    rs485_refused, ///< the system or the port's driver cannot switch an RS-485 driver as asked
+    rs485_late,    ///< the RS-485 driver would be switched off later than t3.5 after the last stop bit
 };
 
 /// A short English description of the error.
@@ -89,6 +92,8 @@ constexpr const char* text(errc e) {
     case errc::receive_failed: return "the port failed while receiving";
     case errc::port_lost: return "the port is gone";
     case errc::clock_stopped: return "the clock does not advance";
+    case errc::rs485_refused: return "the port cannot switch an RS-485 driver so";
+    case errc::rs485_late: return "the RS-485 driver would be switched off later than t3.5";
     case errc::no_echo: return "the request did not come back as echo";
     case errc::collision: return "collision: the echo differs from the request";
     case errc::own_echo: return "what came may be the request's own echo";

@@ -108,6 +108,12 @@ class blocking_line : modbus::gathering<std::uint8_t, Lengths> {
             return {request, response, limits, is_single, of};
         }
 
+        /// The response is the function alone, 4 bytes with address and CRC. No effect where the function fixes more.
+        constexpr void expect_function_alone() {
+            if (!response_.empty() && modbus::expected_response(request_) == modbus::any_length)
+                response_ = response_.first(modbus::min_frame);
+        }
+
         /// Length of the whole response in bytes; 0 if the request is no frame, or has too little room.
         constexpr std::size_t response_size() const { return response_.size(); }
         /// The words of a successful read.
@@ -269,7 +275,7 @@ class blocking_line : modbus::gathering<std::uint8_t, Lengths> {
                 if (takes_at_once && last_ != instant{}) last_ = now(); // a gap counts from the last byte
             }
             idle_ = {}; // a quarantine counts from here: a late response begins within it
-            if constexpr (Lengths::are_open) gathering::end_open();
+            if constexpr (Lengths::are_open) gathering::template end_open<Crc>();
             if (count_ != 0)
                 ended_.end(gathering::template judged<Crc, IsAnyFunction>(
                     IsAnyFunction ? modbus::like(request_[1]) : request_[1], cut, limits, count_ > length_,

@@ -78,7 +78,8 @@ class basic_exchange : gathering<std::uint16_t, Lengths> {
     /// An exchange that sends `request`, a whole frame, and stores the response in `response`, which may be
     /// the same memory as the request. The length of the response follows from the request for functions 03, 04, 06 and
     /// 10h; for any other it is `response.size()`, at most 256 (`expected_response` tells it). What the request fixes is
-    /// checked for all (`modbus::like`). An exception needs 5 bytes.
+    /// checked for all (`modbus::like`). An exception needs 5 bytes; a response of 4 is stated by
+    /// `expect_function_alone`.
     /// Errors (immediately, in state `done`): `bad_argument` if the request is not a frame, has a function
     /// code outside 01..7Fh, is a broadcast read, goes to a reserved address or needs a larger `response`.
 #if __SIZEOF_SIZE_T__ >= 8 // inlined on hosts; small cores share one copy
@@ -158,6 +159,11 @@ class basic_exchange : gathering<std::uint16_t, Lengths> {
     constexpr phase state() const { return phase_; }
     /// Before it is sent: the response is judged as `modbus::like` says, where that is not the request's own function.
     constexpr void judge_like(std::uint8_t code) { like_ = code; }
+    /// Before it is sent: the response is the function alone, 4 bytes with address and CRC. No effect where the
+    /// function fixes more. `response` has room for an exception.
+    constexpr void expect_function_alone() {
+        if (like_ == like_none && phase_ == phase::ready && !is_broadcast()) length_ = min_frame;
+    }
     constexpr bool done() const { return phase_ == phase::done; }
     /// True until the request's last bit has left: `ready` or `leaving`.
     constexpr bool is_to_leave() const { return phase_ <= phase::leaving; }
@@ -445,7 +451,7 @@ class basic_exchange : gathering<std::uint16_t, Lengths> {
 
     // The response is whole, or what came of it has ended. `has_more`: a byte came after it.
     constexpr void conclude(bool has_more) {
-        if constexpr (Lengths::are_open) base::end_open();
+        if constexpr (Lengths::are_open) base::template end_open<Crc>();
         const errc cut = timing_->mode == timing_mode::strict ? errc::bad_gap : errc::truncated_response;
         errc why = base::template judged<Crc, true>(like_, cut, *limits_, has_more, *this);
         if (why == errc::wrong_quantity && repeats_a_value(like_)) why = errc::wrong_value;

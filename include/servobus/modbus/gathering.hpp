@@ -74,11 +74,12 @@ template <class Size, class Lengths = fixed_lengths> class gathering {
         lengths_ = of;
         if (!lengths_.is_open()) return;
         lengths_.set_room(length_);
-        length_ = lengths_.ends_by_gap() ? length_ : Size{5};
+        length_ = lengths_.ends_by_gap() ? length_ : Size{4};
     }
-    /// A gap has ended the response, or it is whole.
-    constexpr void end_open() {
-        if (lengths_.ends_by_gap() && count_ >= 5 && count_ < length_) length_ = count_;
+    /// A gap has ended the response, or it is whole. Four bytes are the function alone if their CRC fits, else a part.
+    template <crc_engine Crc> constexpr void end_open() {
+        if (!lengths_.ends_by_gap() || count_ < 4 || count_ >= length_) return;
+        if (count_ > 4 || (same_ != 1 && crc16<Crc>(bytes{response_, 4}) == 0)) length_ = count_;
     }
     constexpr bool is_whole() const { return count_ == length_; }
     /// True if each byte so far is the request's, and the request goes on: the next byte, or a gap, tells

@@ -6,7 +6,7 @@
 //
 //     line<my_uart, counters, unechoed, modbus::open_lengths> wire{uart, modbus::timing_at(19200)};
 //     constexpr auto by_third_byte = modbus::length_rule::counted(2); // it counts the rest
-//     static_assert(by_third_byte.is_valid() && !modbus::length_rule::fixed(1).is_valid());
+//     static_assert(by_third_byte.is_valid() && !modbus::length_rule::fixed(0).is_valid());
 #pragma once
 
 #include <servobus/core/cxx20.hpp>
@@ -25,7 +25,7 @@ class length_rule {
     /// As the standard says for the function of the request: 0Ch, 11h, 18h and 2Bh grow, the others have one length. A
     /// function that the standard does not have ends after two bytes.
     static constexpr length_rule of_function() { return {kind::of_function, 0}; }
-    /// After so many bytes, 2..253.
+    /// After so many bytes, 1..253; 1 is the function alone.
     static constexpr length_rule fixed(std::uint8_t size) { return {kind::fixed, size}; }
     /// After as many bytes as the one at `place` says, 1..252, which counts from 0 at the function's code.
     static constexpr length_rule counted(std::uint8_t place) { return {kind::counted, place}; }
@@ -33,7 +33,7 @@ class length_rule {
     static constexpr length_rule until_gap() { return {kind::until_gap, 0}; }
 
     constexpr bool is_valid() const {
-        if (kind_ == kind::fixed) return value_ >= 2 && value_ <= max_pdu;
+        if (kind_ == kind::fixed) return value_ >= 1 && value_ <= max_pdu;
         return kind_ != kind::counted || (value_ >= 1 && value_ < max_pdu);
     }
     constexpr bool ends_by_gap() const { return kind_ == kind::until_gap; }

@@ -28,6 +28,7 @@
 #include <servobus/posix/clock.hpp>
 #include <servobus/posix/descriptor.hpp>
 #include <servobus/posix/detail/early_wake_up.hpp>
+#include <servobus/posix/rs485_driver.hpp>
 #include <servobus/registers/profile.hpp>
 
 namespace servobus::posix {
@@ -36,9 +37,12 @@ namespace servobus::posix {
 struct serial_settings {
     std::uint32_t baud = 115200; ///< bits a second; also rates that are not standard, such as 128000
     character_format format = character_format::n81;
-    /// The kernel switches the RS-485 driver by RTS (TIOCSRS485 of Linux). If the device or the system cannot do so,
-    /// `open` fails, since nothing would reach the wire. Adapters that switch by themselves need `false`.
+    /// The kernel switches the RS-485 driver by RTS (TIOCSRS485 of Linux), as `driver` states. If the device or the
+    /// system cannot do so, `open` fails, since nothing would reach the wire. Adapters that switch by themselves need
+    /// `false`.
     bool rs485 = false;
+    /// Polarity and delays with `rs485`; by default those of the board's device tree.
+    rs485_driver driver{};
     /// The adapter has local echo and the line removes it (`echoed`): `sent` leaves the echo in the receiver.
     bool keeps_echo = false;
     /// Received bytes are passed on immediately (ASYNC_LOW_LATENCY of Linux: 1 ms instead of 16 ms with
@@ -108,8 +112,9 @@ class serial {
 
     /// Opens a device, after closing the one that was open. Bytes that were received before are discarded.
     /// Errors, with the system's reason in `os_error()`: `port_lost` (no such device, no permission), `busy`
-    /// (another program has it), `bad_argument` (not a serial device, or a baud rate, format or RS-485 mode
-    /// that it does not support).
+    /// (another program has it), `bad_argument` (not a serial device, or a baud rate or format that it does not
+    /// support), `rs485_refused` (the system or the device's driver cannot switch an RS-485 driver so), `rs485_late`
+    /// (its delay after the send exceeds t3.5 of `baud`). After the last two the kernel's RS-485 mode is as before.
     errc open(const char* path, const serial_settings& wanted = {}) {
         close();
         const int access = wanted.receive_only ? O_RDONLY : O_RDWR;
@@ -126,9 +131,12 @@ class serial {
         }
         if (const int error = configure(fd.number(), wanted); error != 0)
             return fail(error, errc::bad_argument);
+        delay_before_send_ = {};
         if (wanted.rs485) {
-            if (const int error = detail::switch_direction(fd.number()); error != 0)
-                return fail(error, errc::bad_argument);
+            const duration gap{modbus::timing_at(wanted.baud).t3_5};
+            const detail::driver_result r = detail::switch_direction(fd.number(), wanted.driver, gap);
+            if (r.why != errc::ok) return fail(r.error, detail::is_gone(r.error) ? errc::port_lost : r.why);
+            delay_before_send_ = r.before_send;
         }
         has_low_latency_ = wanted.low_latency && detail::ask_low_latency(fd.number());
         tells_line_status_ = !is_pty_ && detail::tells_line_status(fd.number());
@@ -165,7 +173,7 @@ class serial {
         const instant at = now();
         const detail::moved m = detail::write_some(fd_.number(), out);
         if (m.error != 0) return lose(m.error, errc::send_failed);
-        if (m.count != 0) sending_.add(m.count, at);
+        if (m.count != 0) sending_.add(m.count, sending_.is_under_way() ? at : at + delay_before_send_);
         return static_cast<std::uint16_t>(m.count);
     }
 
@@ -280,6 +288,7 @@ class serial {
     transmission sending_{};
     detail::early_wake_up early_{};
     duration character_{};
+    duration delay_before_send_{}; // of the kernel's RS-485 driver
     int error_ = 0;
     std::uint16_t missing_ = 0; // bytes of the response, for the next wait
     bool wakes_early_ = false;

@@ -212,7 +212,6 @@ TEST_CASE_TEMPLATE("a user-defined function ends by the caller's rule", Kind, an
     // More than there is room for.
     CHECK(ask(byte_list{0x41, 9, 14} + byte_list(14, 1), length_rule::counted(2)).error() == errc::too_long);
     CHECK(!ask(byte_list{0x41} + byte_list(16, 6), length_rule::until_gap()));
-    CHECK(!ask({0x41}, length_rule::until_gap())); // no response is as short
     CHECK(is(ask(byte_list{0x41, 9, 13} + byte_list(13, 1), length_rule::counted(2)),
              byte_list{0x41, 9, 13} + byte_list(13, 1)));
     // Exceptions have their length under every rule.
@@ -224,7 +223,7 @@ TEST_CASE_TEMPLATE("a user-defined function ends by the caller's rule", Kind, an
     }
     // A rule that is none, and one that the request's function does not need.
     const std::size_t sent = port.frames.size();
-    CHECK(drive.transact(asked, room, length_rule::fixed(1)).error() == errc::bad_argument);
+    CHECK(drive.transact(asked, room, length_rule::fixed(0)).error() == errc::bad_argument);
     CHECK(drive.transact(asked, room, length_rule::fixed(254)).error() == errc::bad_argument);
     CHECK(drive.transact(asked, room, length_rule::counted(0)).error() == errc::bad_argument);
     CHECK(drive.transact(asked, room, length_rule::counted(253)).error() == errc::bad_argument);
@@ -232,7 +231,7 @@ TEST_CASE_TEMPLATE("a user-defined function ends by the caller's rule", Kind, an
     const length_rule two = length_rule::fixed(2);
     CHECK(drive.transact(bytes{}, room, two).error() == errc::bad_argument);
     CHECK(drive.transact(byte_list(254, 0x41), room, two).error() == errc::bad_argument);
-    CHECK(drive.transact(asked, byte_buffer{room}.first(1), two).error() == errc::bad_argument);
+    CHECK(drive.transact(asked, byte_buffer{}, two).error() == errc::bad_argument);
     client nobody{on, node<device>{248}};
     CHECK(nobody.transact(asked, room, two).error() == errc::bad_argument);
     CHECK(port.frames.size() == sent);

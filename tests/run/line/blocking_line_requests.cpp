@@ -98,7 +98,8 @@ TEST_CASE("a rule counts only where the request does not say the length") {
     };
     CHECK(room_for({1, 3, 0, 0, 0, 2}, length_rule::fixed(20)) == 9);
     CHECK(room_for({1, 0x41, 1}, length_rule::fixed(20)) == 64);
-    CHECK(room_for({1, 0x41, 1}, length_rule::fixed(1)) == 0);
+    CHECK(room_for({1, 0x41, 1}, length_rule::fixed(1)) == 64);
+    CHECK(room_for({1, 0x41, 1}, length_rule::fixed(0)) == 0);
     CHECK(room_for({250, 0x41, 1}, length_rule::fixed(20)) == 0);
 }
 

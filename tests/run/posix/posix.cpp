@@ -283,7 +283,7 @@ TEST_CASE("baud rates and every format are accepted; a rate of 0 and an RS-485 d
     for (const character_format format : {n81, n82, e81, e81, o81, o81}) // again: nothing else changes then
         CHECK(host.open(drive.path(), {.baud = 19200, .format = format}) == errc::ok);
     CHECK(host.open(drive.path(), {.baud = 0}) == errc::bad_argument);
-    CHECK(host.open(drive.path(), {.rs485 = true}) == errc::bad_argument);
+    CHECK(host.open(drive.path(), {.rs485 = true}) == errc::rs485_refused);
     CHECK(host.os_error() != 0);
     CHECK(host.open(drive.path(), {.low_latency = true}) == errc::ok); // not a condition
     CHECK_FALSE(host.has_low_latency());
@@ -419,7 +419,7 @@ TEST_CASE("a rate without a constant is refused where the system has no way to s
     serial host;
     CHECK(host.open(drive.path(), {.baud = 128'000}) == errc::bad_argument);
     CHECK(host.open(drive.path(), {.baud = 115'200}) == errc::ok);
-    CHECK(host.open(drive.path(), {.rs485 = true}) == errc::bad_argument);
+    CHECK(host.open(drive.path(), {.rs485 = true}) == errc::rs485_refused);
 }
 
 #endif

@@ -94,6 +94,7 @@ struct uart {
     std::int32_t speed_off = 0; ///< the speed that it sets is so much higher
     std::uint32_t any_speed = 0;
     serial_rs485 direction{};
+    void (*replaces)(serial_rs485&) = nullptr; ///< a part of a mode, where RS-485 is switched on
     serial_struct facts{};
     bool takes_low_latency = true;
     bool tells_line_status = true;
@@ -218,7 +219,10 @@ int ioctl(int fd, unsigned long what, void* with) {
         CHECK((*static_cast<int*>(with) & TIOCM_DTR) == 0); // some adapters have their power from it
         return 0;
     case TIOCGRS485: *static_cast<serial_rs485*>(with) = u.direction; return 0;
-    case TIOCSRS485: u.direction = *static_cast<serial_rs485*>(with); return 0;
+    case TIOCSRS485:
+        u.direction = *static_cast<serial_rs485*>(with);
+        if (u.replaces != nullptr && (u.direction.flags & SER_RS485_ENABLED) != 0) u.replaces(u.direction);
+        return 0;
     case TIOCGSERIAL: *static_cast<serial_struct*>(with) = u.facts; return 0;
     case TIOCSSERIAL:
         if (u.takes_low_latency) u.facts = *static_cast<serial_struct*>(with);
@@ -552,24 +556,134 @@ TEST_CASE("a port is recognised as a pseudo-terminal by its device's number") {
     }
 }
 
-TEST_CASE("G31: the RS-485 driver is on only while sending, without delays, and a kernel that refuses this "
-          "is an error") {
+TEST_CASE(
+    "G31: the RS-485 driver is switched as the kernel has it from the board, with its polarity and delays") {
+    constexpr std::uint32_t others = SER_RS485_RX_DURING_TX | SER_RS485_TERMINATE_BUS;
+    struct board {
+        std::uint32_t states, becomes;
+    };
+    for (const board& b :
+         {board{0, SER_RS485_RTS_ON_SEND}, board{SER_RS485_RTS_ON_SEND, SER_RS485_RTS_ON_SEND},
+          board{SER_RS485_RTS_AFTER_SEND, SER_RS485_RTS_AFTER_SEND}}) {
+        CAPTURE(b.states);
+        rig r;
+        kernel.line.direction.flags = b.states | others;
+        kernel.line.direction.delay_rts_before_send = 5;
+        kernel.line.direction.delay_rts_after_send = 4;
+        REQUIRE(r.open_port() == errc::ok); // not wanted: left as it is
+        CHECK(kernel.line.direction.flags == (b.states | others));
+        REQUIRE(r.open_port({.baud = 9600, .rs485 = true}) == errc::ok);
+        const serial_rs485& d = kernel.line.direction;
+        CHECK(d.flags == (SER_RS485_ENABLED | b.becomes | others));
+        CHECK(d.delay_rts_before_send == 5);
+        CHECK(d.delay_rts_after_send == 4);
+    }
+}
+
+TEST_CASE("G31: a program states the polarity and the delays of the RS-485 driver, in whole milliseconds") {
+    using enum rs485_polarity;
     rig r;
-    kernel.line.direction.flags = SER_RS485_RTS_AFTER_SEND | SER_RS485_RX_DURING_TX | SER_RS485_TERMINATE_BUS;
+    kernel.line.direction.flags = SER_RS485_RTS_ON_SEND | SER_RS485_TERMINATE_BUS;
     kernel.line.direction.delay_rts_before_send = 5;
-    kernel.line.direction.delay_rts_after_send = 6;
-    REQUIRE(r.open_port() == errc::ok); // not wanted: left as it is
-    CHECK(kernel.line.direction.delay_rts_after_send == 6);
-    REQUIRE(r.open_port({.rs485 = true}) == errc::ok);
+    kernel.line.direction.delay_rts_after_send = 90;
+    serial_settings wanted{.baud = 9600, .rs485 = true};
+    wanted.driver = {rts_after_send, microseconds(1001), duration{}};
+    REQUIRE(r.open_port(wanted) == errc::ok);
     const serial_rs485& d = kernel.line.direction;
-    CHECK(d.flags == (SER_RS485_ENABLED | SER_RS485_RTS_ON_SEND | SER_RS485_TERMINATE_BUS));
-    CHECK(d.delay_rts_before_send == 0);
+    CHECK(d.flags == (SER_RS485_ENABLED | SER_RS485_RTS_AFTER_SEND | SER_RS485_TERMINATE_BUS));
+    CHECK(d.delay_rts_before_send == 2);
     CHECK(d.delay_rts_after_send == 0);
+    wanted.driver = {.polarity = rts_on_send, .after_send = milliseconds(3)};
+    REQUIRE(r.open_port(wanted) == errc::ok);
+    CHECK(d.flags == (SER_RS485_ENABLED | SER_RS485_RTS_ON_SEND | SER_RS485_TERMINATE_BUS));
+    CHECK(d.delay_rts_before_send == 2);
+    CHECK(d.delay_rts_after_send == 3);
+}
+
+TEST_CASE("G31: a port whose RS-485 driver would be switched off later than t3.5 is not opened") {
+    struct rate {
+        std::uint32_t baud, longest_ms; // 3.5 x 11 bits, 1750 us above 19200 Bd
+    };
+    for (const rate& w : {rate{4800, 8}, rate{9600, 4}, rate{19'200, 2}, rate{115'200, 1}}) {
+        for (const bool is_stated : {false, true}) {
+            CAPTURE(w.baud);
+            CAPTURE(is_stated);
+            rig r;
+            const auto open_with = [&](std::uint32_t ms) {
+                serial_settings wanted{.baud = w.baud, .rs485 = true};
+                kernel.line.direction = {};
+                kernel.line.direction.flags = SER_RS485_RTS_AFTER_SEND;
+                kernel.line.direction.delay_rts_after_send = is_stated ? 77 : ms;
+                if (is_stated) wanted.driver.after_send = milliseconds(ms);
+                return r.open_port(wanted);
+            };
+            CHECK(open_with(w.longest_ms) == errc::ok);
+            CHECK(kernel.line.direction.flags == (SER_RS485_ENABLED | SER_RS485_RTS_AFTER_SEND));
+            CHECK(open_with(w.longest_ms + 1) == errc::rs485_late);
+            CHECK_FALSE(r.port.is_open());
+            CHECK(kernel.line.direction.flags == SER_RS485_RTS_AFTER_SEND); // nothing was changed
+        }
+    }
+    rig r;
+    kernel.line.direction.delay_rts_after_send = 0xFFFF'FFFF;
+    CHECK(r.open_port({.rs485 = true}) == errc::rs485_late);
+}
+
+TEST_CASE("G31: an RS-485 mode that the port's driver refuses or replaces is an error, and leaves the mode "
+          "as it was") {
     for (const std::string_view call : {"TIOCGRS485", "TIOCSRS485"}) {
-        const failing f{call, EIO};
-        CHECK(r.open_port({.rs485 = true}) == errc::bad_argument);
+        for (const int error : {EINVAL, ENOTTY}) {
+            rig r;
+            const failing f{call, error};
+            CHECK(r.open_port({.rs485 = true}) == errc::rs485_refused);
+            CHECK(r.port.os_error() == error);
+            CHECK_FALSE(r.port.is_open());
+        }
+        rig r;
+        const failing f{call, EIO}; // unplugged meanwhile
+        CHECK(r.open_port({.rs485 = true}) == errc::port_lost);
         CHECK(r.port.os_error() == EIO);
+    }
+    struct replacement {
+        void (*replaces)(serial_rs485&);
+        errc why;
+    };
+    for (const replacement& x :
+         {replacement{[](serial_rs485& m) { m.flags &= ~std::uint32_t{SER_RS485_ENABLED}; },
+                      errc::rs485_refused},
+          replacement{[](serial_rs485& m) { m.flags ^= SER_RS485_RTS_ON_SEND | SER_RS485_RTS_AFTER_SEND; },
+                      errc::rs485_refused},
+          replacement{[](serial_rs485& m) { m.delay_rts_before_send = 0; }, errc::rs485_refused},
+          replacement{[](serial_rs485& m) { m.delay_rts_after_send = 0; }, errc::rs485_refused},
+          replacement{[](serial_rs485& m) { m.delay_rts_after_send = 100; }, errc::rs485_late}}) {
+        rig r;
+        kernel.line.direction.flags = SER_RS485_TERMINATE_BUS;
+        kernel.line.replaces = x.replaces;
+        serial_settings wanted{.baud = 9600, .rs485 = true};
+        wanted.driver = {rs485_polarity::rts_after_send, milliseconds(2), milliseconds(1)};
+        CHECK(r.open_port(wanted) == x.why);
         CHECK_FALSE(r.port.is_open());
+        CHECK(kernel.line.direction.flags == SER_RS485_TERMINATE_BUS);
+    }
+    // Hardware with one polarity, and a program that states none.
+    rig r;
+    kernel.line.replaces = [](serial_rs485& m) {
+        m.flags &= ~std::uint32_t{SER_RS485_RTS_ON_SEND};
+        m.flags |= SER_RS485_RTS_AFTER_SEND;
+    };
+    CHECK(r.open_port({.rs485 = true}) == errc::ok);
+}
+
+TEST_CASE("G31: the delay of the RS-485 driver before the first bit counts as time of sending") {
+    rig r;
+    kernel.line.tells_line_status = false;
+    kernel.line.direction.delay_rts_before_send = 5;
+    for (const std::uint32_t delay_us : {5000u, 0u}) {
+        REQUIRE(r.open_port({.baud = 9600, .rs485 = delay_us != 0}) == errc::ok);
+        REQUIRE(r.port.send(bytes{eight}.first(4)).value_or(0) == 4);
+        REQUIRE(r.port.send(bytes{eight}.last(4)).value_or(0) == 4);
+        CHECK_FALSE(r.has_sent_after(delay_us + 8333));
+        CHECK(r.has_sent_after(2));
     }
 }
 

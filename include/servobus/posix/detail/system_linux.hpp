@@ -6,6 +6,7 @@
 
 #include <servobus/core/time.hpp>
 #include <servobus/posix/detail/timespec.hpp>
+#include <servobus/posix/rs485_driver.hpp>
 
 #if defined(__linux__) && !defined(SERVOBUS_PORTABLE_POSIX)
 
@@ -106,15 +107,45 @@ inline int set_any_speed(int, std::uint32_t) { return EINVAL; }
 inline std::uint32_t speed_of(int) { return 0; }
 #endif
 
-/// The kernel switches the RS-485 driver. 0 or errno.
-inline int switch_direction(int fd) {
-    serial_rs485 mode{};
-    if (::ioctl(fd, TIOCGRS485, &mode) != 0) return errno;
-    mode.flags |= SER_RS485_ENABLED | SER_RS485_RTS_ON_SEND;
-    mode.flags &= ~static_cast<decltype(mode.flags)>(SER_RS485_RTS_AFTER_SEND | SER_RS485_RX_DURING_TX);
-    mode.delay_rts_before_send = 0;
-    mode.delay_rts_after_send = 0;
-    return ::ioctl(fd, TIOCSRS485, &mode) == 0 ? 0 : errno;
+/// Lets the kernel switch the RS-485 driver, which may be on for `longest_after` after the last stop bit. What `wanted`
+/// leaves open stays as it is. If that fails, all stays as it was.
+inline driver_result switch_direction(int fd, const rs485_driver& wanted, duration longest_after) {
+    serial_rs485 before{};
+    if (::ioctl(fd, TIOCGRS485, &before) != 0) return {errc::rs485_refused, errno};
+    constexpr std::uint32_t polarity = SER_RS485_RTS_ON_SEND | SER_RS485_RTS_AFTER_SEND;
+    const auto whole_ms = [](duration stated, std::uint32_t kept) {
+        return stated == rs485_driver::as_configured ? kept
+                                                     : stated.us / 1000 + (stated.us % 1000 != 0 ? 1u : 0u);
+    };
+    const auto is_late = [longest_after](const serial_rs485& m) {
+        return std::uint64_t{m.delay_rts_after_send} * 1000 > longest_after.us;
+    };
+    serial_rs485 mode = before;
+    mode.flags |= SER_RS485_ENABLED;
+    if (wanted.polarity != rs485_polarity::as_configured) mode.flags &= ~polarity;
+    if (wanted.polarity == rs485_polarity::rts_after_send) mode.flags |= SER_RS485_RTS_AFTER_SEND;
+    if ((mode.flags & polarity) == 0) mode.flags |= SER_RS485_RTS_ON_SEND;
+    mode.delay_rts_before_send = whole_ms(wanted.before_send, before.delay_rts_before_send);
+    mode.delay_rts_after_send = whole_ms(wanted.after_send, before.delay_rts_after_send);
+    if (is_late(mode)) return {errc::rs485_late, ERANGE};
+    if (::ioctl(fd, TIOCSRS485, &mode) != 0) return {errc::rs485_refused, errno};
+    // Kernels since 6.0 replace what a driver cannot do, and report success.
+    driver_result result{};
+    serial_rs485 got{};
+    const bool is_stated = wanted.polarity != rs485_polarity::as_configured;
+    if (::ioctl(fd, TIOCGRS485, &got) != 0) {
+        result = {errc::rs485_refused, errno};
+    } else if (is_late(got)) {
+        result = {errc::rs485_late, ERANGE};
+    } else if ((got.flags & SER_RS485_ENABLED) == 0 ||
+               (is_stated && (got.flags & polarity) != (mode.flags & polarity)) ||
+               got.delay_rts_before_send != mode.delay_rts_before_send ||
+               got.delay_rts_after_send != mode.delay_rts_after_send) {
+        result = {errc::rs485_refused, EINVAL};
+    }
+    if (result.why != errc::ok) (void)::ioctl(fd, TIOCSRS485, &before);
+    result.before_send = milliseconds(got.delay_rts_before_send);
+    return result;
 }
 
 /// True if received bytes are passed on immediately from now on.

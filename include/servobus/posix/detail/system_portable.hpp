@@ -8,6 +8,7 @@
 
 #include <servobus/core/time.hpp>
 #include <servobus/posix/detail/timespec.hpp>
+#include <servobus/posix/rs485_driver.hpp>
 
 #if !defined(__linux__) || defined(SERVOBUS_PORTABLE_POSIX)
 
@@ -100,7 +101,9 @@ inline std::uint32_t speed_of(int fd) {
     return 0;
 }
 
-inline int switch_direction(int) { return ENOTSUP; }
+inline driver_result switch_direction(int, const rs485_driver&, duration) {
+    return {errc::rs485_refused, ENOTSUP};
+}
 inline bool ask_low_latency(int) { return false; }
 inline bool tells_line_status(int) { return false; }
 inline bool is_transmitter_empty(int) { return true; }
