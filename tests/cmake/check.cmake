@@ -5,7 +5,7 @@
 #
 # A test of CTest that runs in the project's folder. COST: seconds, roughly; long ones begin first. REAL_TIME: it measures
 # the real clock. It runs again if the machine was too busy (support/undisturbed.cpp), and all other checks run at a
-# lower priority. The limit is against hangs only.
+# lower priority. TIMEOUT is against hangs only, and judges no speed: five minutes, and thirty times the COST.
 find_program(SERVOBUS_NICE nice)
 mark_as_advanced(SERVOBUS_NICE)
 
@@ -20,7 +20,11 @@ function(check name)
     set(before ${SERVOBUS_NICE} -n 10)
   endif()
   add_test(NAME ${name} COMMAND ${before} ${arg_COMMAND} WORKING_DIRECTORY ${PROJECT_SOURCE_DIR})
-  set_tests_properties(${name} PROPERTIES LABELS "${arg_LABELS}" TIMEOUT 3600)
+  set(seconds 300)
+  if(arg_COST)
+    math(EXPR seconds "${seconds} + 30 * ${arg_COST}")
+  endif()
+  set_tests_properties(${name} PROPERTIES LABELS "${arg_LABELS}" TIMEOUT ${seconds})
   if(arg_COST)
     set_tests_properties(${name} PROPERTIES COST ${arg_COST})
   endif()

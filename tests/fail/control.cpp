@@ -36,6 +36,8 @@ namespace c630s = servobus::c630s;
 using servobus::differential;
 using namespace servobus::c630s::literals;
 #include "stepper.hpp"
+#include "switched.hpp"
+#include "travel.hpp"
 
 inline constexpr servobus::reg<servobus::u16, servobus::access::wo, zlac::device> kick{
     0x3000, {0, 1}, servobus::no_unit, 0};
@@ -73,6 +75,19 @@ inline constexpr servobus::step zero =
 inline constexpr servobus::step wait_standstill =
     servobus::steps::expect_zero<zlac::left_target_speed, zlac::right_target_speed>();
 inline constexpr servobus::step zero_speed = servobus::steps::write_zero<zlac::left_target_speed>();
+inline constexpr servobus::step go_to = servobus::steps::write_arguments<switched::place>();
+inline constexpr servobus::step low_bit =
+    servobus::steps::expect_bits<zlac::left_actual_position>(0x0000'0001, 1, servobus::errc::busy);
+inline constexpr servobus::step awaited = servobus::steps::until_bits<zlac::left_faults>(0x8000, 0, 100);
+inline constexpr servobus::step at_zero =
+    servobus::steps::expect_zero<zlac::left_target_position>(servobus::errc::busy);
+inline constexpr servobus::step cleared =
+    servobus::steps::until_bits<zlac::left_actual_position>(0xFFFF'FFFF, 0, 100);
+inline constexpr servobus::step near_zero = servobus::steps::until_within<zlac::left_actual_speed>(20, 100);
+inline constexpr servobus::step is_slow =
+    servobus::steps::expect_within<zlac::left_actual_speed>(20, servobus::errc::busy);
+inline constexpr servobus::step stopped =
+    servobus::steps::repeatable(servobus::steps::write<travel>(0x1'0000));
 inline constexpr servobus::step kicked = servobus::steps::write<kick>(1);
 inline constexpr servobus::step look =
     servobus::steps::fetch<servobus::at<places, 0>, servobus::at<places, 1>>();

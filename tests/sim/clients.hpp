@@ -47,6 +47,7 @@ template <class Line> class clients final : public world {
             state().frames_apart_us =
                 of.timing.longest_gap(1).us + 2u * of.timing.character + state().blur_us;
             court().bear_glitches();
+            court().suspect_all_as_one();
             // It reads its clock before its receiver, so it counts a stall between the two as a part of the
             // next gap.
             port().stalls_before_receive = false;

@@ -51,6 +51,7 @@ enum class strike : std::uint8_t {
     changed_echo,
     lost_echo,
     late_echo,
+    returned_request,
     absent_drive,
     stall,
     plight,
@@ -93,6 +94,7 @@ constexpr const char* text(strike s) {
         "changed echo",
         "lost echo",
         "late echo",
+        "returned request",
         "absent drive",
         "stall",
         "fault or wired stop",
@@ -139,7 +141,10 @@ struct event_counts {
     std::uint64_t beside_the_bus = 0; ///< requests of the program's own that got a response
     std::uint64_t not_in_plan = 0;    ///< that the plan refused
     std::uint64_t gone_asked = 0;     ///< that were sent to a node that is gone
-    std::uint64_t crc_chances = 0;    ///< damaged frames that matched a CRC by chance, about one in 65536
+    std::uint64_t undetected_returns =
+        0; ///< returned writes that no earlier failure shows to be possible echoes
+    std::uint64_t detected_returns = 0; ///< and those that one does
+    std::uint64_t crc_chances = 0;      ///< damaged frames that matched a CRC by chance, about one in 65536
     std::array<std::uint64_t, strikes> struck{};
     std::array<std::uint64_t, kinds> transactions_of{};
     std::array<std::array<std::uint64_t, places>, drives> stalls{};
@@ -178,6 +183,9 @@ struct event_counts {
                 std::printf("%s %llu %s", p == 0 ? "" : ",", static_cast<unsigned long long>(stalls[k][p]),
                             text(static_cast<place>(p)));
         }
+        std::printf("; %llu writes were returned by an adapter after a failure, %llu before one",
+                    static_cast<unsigned long long>(detected_returns),
+                    static_cast<unsigned long long>(undetected_returns));
         std::printf("; %llu damaged frames matched their CRC by chance; no promise was broken\n",
                     static_cast<unsigned long long>(crc_chances));
     }

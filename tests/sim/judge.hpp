@@ -59,6 +59,10 @@ class judge {
     void begin_operation() {
         writes_ = reads_ = exchanges_ = 0;
         had_echo_like_read_ = false;
+        were_suspects_ = suspects_;
+        was_echo_ruled_out_ = is_echo_ruled_out_;
+        has_differed_ = false;
+        returned_before_ = on_->wire->returned();
     }
     unsigned writes() const { return writes_; }       ///< requests that left in the operation
     unsigned reads() const { return reads_; }         ///< requests of other functions
@@ -108,7 +112,20 @@ class judge {
     }
     /// A response came that cannot be an echo, since its request does not begin so. Before that a response to
     /// function 06 proves nothing (G3), nor does a read's whose value and CRC are the request's bytes.
-    bool is_echo_ruled_out() const { return is_echo_ruled_out_; }
+    bool is_echo_ruled_out(std::uint8_t node_address) const {
+        return is_echo_ruled_out_ && !suspects_[node_address % suspects_.size()];
+    }
+    /// The line has one flag for all nodes.
+    void suspect_all_as_one() { suspects_are_one_ = true; }
+    /// True if a response that repeats its request could be an echo as the operation began: no response so far could
+    /// not, or a request to this node got no valid response, and since then none that differs from its request.
+    bool could_be_echo(std::uint8_t node_address) const {
+        return !was_echo_ruled_out_ || were_suspects_[node_address % suspects_.size()];
+    }
+    /// A response of the operation differed from its request: the adapter did not return that one.
+    bool has_differed() const { return has_differed_; }
+    /// The adapter has returned a request of the operation.
+    bool was_returned() const { return on_->wire->returned() != returned_before_; }
     /// The last transaction did not end in exactly one valid response, or unexpected bytes came after it.
     bool is_troubled() const { return is_troubled_ || surplus_.is_trouble(); }
     /// The port was lost, and with it the bytes that it had received.
@@ -129,12 +146,13 @@ class judge {
             is_troubled_ = true;
             ended_ = on_->clock_read_us; // a stall after that counts as quarantine
             heard_.clear();
+            suspect(request_[0], true);
             return;
         }
         const bool is_echo_like = response.size() <= request_.size() &&
                                   std::equal(response.begin(), response.end(), request_.begin());
         if (!is_echo_like)
-            is_echo_ruled_out_ = true;
+            rule_out_echo();
         else if (!response.empty() && !servobus::modbus::is_write(response[1]))
             had_echo_like_read_ = true;
         auto found = std::search(heard_.begin(), heard_.end(), response.begin(), response.end());
@@ -215,6 +233,21 @@ class judge {
         return last;
     }
 
+    // Nodes of which eight are apart share a flag of a line, so that one may speak for another.
+    void suspect(std::uint8_t node_address, bool is_suspect) {
+        if (node_address == servobus::modbus::broadcast) return;
+        if (suspects_are_one_)
+            suspects_.fill(is_suspect);
+        else
+            suspects_[node_address % suspects_.size()] = is_suspect;
+    }
+
+    void rule_out_echo() {
+        has_differed_ = true;
+        is_echo_ruled_out_ = true;
+        suspect(request_[0], false);
+    }
+
     scene* on_;
     echo_judge echo_;
     servobus::bus_gaps wanted_{};
@@ -237,6 +270,12 @@ class judge {
     bool bears_glitches_ = false;
     bool has_begun_ = false;
     bool is_echo_ruled_out_ = false;
+    bool was_echo_ruled_out_ = false;
+    bool has_differed_ = false;
+    bool suspects_are_one_ = false;
+    std::array<bool, 8> suspects_{};
+    std::array<bool, 8> were_suspects_{};
+    std::uint32_t returned_before_ = 0;
     bool had_echo_like_read_ = false;
 };
 

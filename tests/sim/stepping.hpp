@@ -64,7 +64,7 @@ template <class Line> class stepping {
         servobus::status why = x.status();
         // A program that steps an exchange must check this, as the library's own callers do: the response to
         // function 06 may be the echo.
-        const bool may_be_echo = meant.is_write() && is_single && !in.line().is_echo_ruled_out();
+        const bool may_be_echo = meant.is_write() && is_single && !in.line().is_echo_ruled_out(at.address());
         if (why.error() == servobus::errc::ok && may_be_echo) why.end(servobus::errc::own_echo);
         claim c{why};
         for (std::size_t i = 0; i < x.words().size(); ++i) c.words.push_back(x.words()[i]);

@@ -31,7 +31,9 @@ class plain_run {
   private:
     static conditions drawn(std::uint64_t seed) {
         servobus::sim::dice random = dice_of_conditions(seed);
-        return draw_conditions(random);
+        conditions c = draw_conditions(random);
+        c.returns_while_nobody_is_there = !c.wire.echoes && random.below(3) == 0;
+        return c;
     }
 
     clients<line_on<servobus::unechoed>> in_;
@@ -106,6 +108,7 @@ class small_run {
         const bool is_strict = c.timing.mode == servobus::modbus::timing_mode::strict;
         c.resolution_us = !is_strict && random.below(4) == 0 ? 1000 : 1;
         const bool has_only_echo = random.below(10) == 0;
+        c.returns_while_nobody_is_there = !c.wire.echoes && !has_only_echo && random.below(3) == 0;
         if (has_only_echo) c.wire.echoes = c.wire.keeps_echo = true;
         run.emplace(seed, count, notes, c, has_only_echo ? hearing::untold : hearing::nothing,
                     !has_only_echo);

@@ -61,9 +61,10 @@ class verdict {
         if (said_.succeeded()) ++on().count->succeeded;
         // Before the first response that is no echo, or where the response and an unexpected byte together
         // repeat the request.
-        const bool may_be_echo = said_.why.error() == servobus::errc::own_echo &&
-                                 (!in_.court().is_echo_ruled_out() || !meant_.is_write() ||
-                                  meant_.what == kind::write_if_different || begins_like_its_response());
+        const bool may_be_echo =
+            said_.why.error() == servobus::errc::own_echo &&
+            (!in_.court().is_echo_ruled_out(on().asked_node) || in_.court().could_be_echo(on().asked_node) ||
+             !meant_.is_write() || meant_.what == kind::write_if_different || begins_like_its_response());
         if (on().is_struck || meant_.at == nullptr || may_be_echo) return;
         ++on().count->had_to_succeed;
         if (!said_.succeeded() && !said_.is_refused())
@@ -104,8 +105,10 @@ class verdict {
 
     void judge_read() {
         if (!said_.succeeded()) return;
+        const bool is_unknown = meant_.what == kind::unknown_function;
+        if (is_unknown && in_.court().was_returned() && !in_.court().could_be_echo(on().asked_node)) return;
         if (meant_.at == nullptr) throw broken{"G2: a read succeeded at an address without a device"};
-        if (meant_.what == kind::unknown_function)
+        if (is_unknown)
             return in_.court().by_chance_or("G2: a function succeeded that the device does not have");
         const execution* same = nullptr;
         for (const execution& e : meant_.at->executed()) {
@@ -134,6 +137,15 @@ class verdict {
             }
         }
         if (is_broadcast) return;
+        if (court.was_returned()) {
+            // The nodes may be back before the read that is to rule out an echo.
+            const bool is_detectable = court.could_be_echo(on().asked_node) && !court.has_differed();
+            (is_detectable ? on().count->detected_returns : on().count->undetected_returns) += 1;
+            const bool is_taken_for_done = said_.said == outcome::done && executed_ == 0;
+            if (is_taken_for_done && is_detectable)
+                throw broken{"G3: a write is reported done that the adapter has returned"};
+            if (is_taken_for_done) return; // nothing has shown that it may be an echo
+        }
         if (meant_.at == nullptr) {
             if (said_.said == outcome::done)
                 throw broken{"G3: a write is reported done at an address without a device"};

@@ -22,6 +22,8 @@ struct conditions {
     servobus::sim::line_settings wire;
     servobus::modbus::rtu_timing timing;
     std::uint32_t resolution_us = 1; ///< of the client's clock
+    bool returns_while_nobody_is_there =
+        false; ///< the adapter returns requests while no node can receive them
 };
 
 inline conditions draw_conditions(servobus::sim::dice& random) {
@@ -53,9 +55,9 @@ inline std::uint32_t draw_hostility(scene& on) {
 class world {
   public:
     world(std::uint64_t seed, event_counts& count, std::size_t notes, const conditions& of)
-        : baud_{of.wire.baud},
-          resolution_us_{of.resolution_us}, wire_{of.wire}, log_{2u * of.timing.character + 100, notes},
-          port_{known(of), judge_, of.resolution_us}, babbler_{scene_, of.wire.baud} {
+        : baud_{of.wire.baud}, resolution_us_{of.resolution_us}, wire_{of.wire},
+          log_{2u * of.timing.character + 100, notes}, port_{known(of), judge_, of.resolution_us},
+          babbler_{scene_, of.wire.baud}, returns_requests_{of.returns_while_nobody_is_there} {
         scene_.count = &count;
         scene_.random = servobus::sim::dice{seed};
         scene_.manuals = interpretations{seed};
@@ -172,12 +174,21 @@ class world {
     shaky_port port_;
     babbler babbler_;
     std::vector<std::unique_ptr<participant>> participants_;
+    bool returns_requests_;
 
   protected:
     std::uint32_t baud() const { return baud_; }
     void prepare_devices(servobus::bytes frame) {
-        for (const auto& s : participants_)
-            s->device().prepare(frame.size(), frame[0] == s->device_address() || frame[0] == 0);
+        bool is_anyone_there = false;
+        for (const auto& s : participants_) {
+            const bool is_asked = frame[0] == s->device_address() || frame[0] == 0;
+            is_anyone_there = is_anyone_there || is_asked;
+            s->device().prepare(frame.size(), is_asked);
+        }
+        if (!returns_requests_) return;
+        const bool is_returned = wire_.is_cut() || !is_anyone_there;
+        wire_.set_unanswered_return(servobus::duration{is_returned ? scene_.between(1, 3'000) : 0u});
+        if (is_returned) scene_.strikes(strike::returned_request, false);
     }
     /// Adds a place, and attaches its device to the line unless the line is empty.
     participant& take_in(std::unique_ptr<participant> s) {

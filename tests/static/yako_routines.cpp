@@ -137,6 +137,14 @@ static_assert(tables::stored_move<absolute, interrupt>[tables::stored_start_step
 static_assert(tables::save[2].address == 0x00BA && tables::save[2].value == 0 &&
               tables::save[4].value == 0x0042);
 
+// G35: after the motor has come to rest a wait looks at the alarm itself, whichever frame has read the status.
+constexpr bool looks_at_alarm(const step& s) {
+    return s.what == step::kind::expect && s.address == status_word.address && s.value == 0 &&
+           s.mask == motion_status::alarm_bit && s.otherwise == errc::faulted;
+}
+static_assert(tables::wait_standstill[0].what == step::kind::until &&
+              looks_at_alarm(tables::wait_standstill[1]));
+
 // S1: the only write is the stop, and it is the first frame.
 constexpr bool only_stops_and_reads(routine table) {
     for (std::size_t i = 0; i < table.size(); ++i) {

@@ -12,6 +12,8 @@
 #include <servobus/sim/yako.hpp>
 #include <servobus/sim/zlac8015d.hpp>
 
+#include <tests/support/patience.hpp>
+
 namespace tests {
 
 // These drives respond within a few milliseconds, so their time limits are short, and an absent drive costs little.
@@ -68,7 +70,7 @@ struct wheels_and_lift_program {
     servobus::routine_status command(Drive& drive, const Wanted& wanted) {
         if (const servobus::errc refusal = drive.begin(wanted); refusal != servobus::errc::ok)
             return servobus::routine_status{refusal};
-        while (!drive.is_idle()) turn();
+        for (tests::patience left{"the end of a command"}; !drive.is_idle(); left.use()) turn();
         return drive.last();
     }
 };

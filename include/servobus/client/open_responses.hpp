@@ -58,7 +58,7 @@ template <class Line, device_class Device, class Node> struct open_responses<raw
         const std::size_t size = length_of(of, x);
         request_machine call = request_machine::transaction();
         (void)call.goes_on(why, of.node_, same_bytes(bytes{response}.first(size), sent),
-                           of.line_->is_echo_ruled_out());
+                           of.line_->is_echo_ruled_out(of.node_.address));
         if (why && size - 3 > response_pdu.size()) why = status::sent(errc::too_long);
         if (!why) return why;
         for (std::size_t i = 0; i < size - 3; ++i) response_pdu[i] = response[i + 1];

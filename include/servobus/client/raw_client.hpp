@@ -140,7 +140,7 @@ class raw_client : protected detail::node_link<Line, Device, Node> {
         }
         if (why && modbus::is_loopback(sent) && !same_bytes(room, sent))
             why = status::sent(errc::wrong_value);
-        (void)call.goes_on(why, node_, same_bytes(room, sent), line_->is_echo_ruled_out());
+        (void)call.goes_on(why, node_, same_bytes(room, sent), line_->is_echo_ruled_out(node_.address));
         if (!why) return why;
         for (std::size_t i = 0; i < response_pdu.size(); ++i) response_pdu[i] = room[i + 1];
         return why;
@@ -287,14 +287,15 @@ class raw_client : protected detail::node_link<Line, Device, Node> {
     [[gnu::always_inline]] constexpr status write_framed(byte_buffer frame, u16 address, bool is_single,
                                                          const typename link::condition& on) {
         if (!IsBroadcast && !node_.is_valid()) return errc::bad_argument;
-        if (AsksFirst && !line_->is_echo_ruled_out()) {
+        if (AsksFirst && !line_->is_echo_ruled_out(node_.address)) {
             if (const errc no = ask<true>(address); no != errc::ok) return no;
         }
         if (const errc no = link::refusal(on); no != errc::ok) return no;
         link::template invalidate<IsBroadcast>(link::invalidated_by(frame));
         status why = carried<IsBroadcast>(frame, frame.first(8), is_single); // its response's memory too
         request_machine call = request_machine::write();
-        const bool goes_on = !IsBroadcast && call.goes_on(why, node_, is_single, line_->is_echo_ruled_out());
+        const bool goes_on =
+            !IsBroadcast && call.goes_on(why, node_, is_single, line_->is_echo_ruled_out(node_.address));
         return goes_on ? status::sent(ask<false>(address)) : why;
     }
 
@@ -320,7 +321,8 @@ class raw_client : protected detail::node_link<Line, Device, Node> {
             std::uint8_t response[is_bit ? 6 : 7];
             (void)carried(request, response);
             status why;
-            if (!call.goes_on(why, node_, false, line_->is_echo_ruled_out()) || !call.is_asking())
+            if (!call.goes_on(why, node_, false, line_->is_echo_ruled_out(node_.address)) ||
+                !call.is_asking())
                 return why.error();
         }
     }

@@ -3,7 +3,8 @@
 //
 // One call of a client as a machine without I/O: which request is next, and how the call ended. A read is
 // repeated as often as the node says, a write never. A response to function 06 repeats its request, so it may be
-// an echo until a line has received anything else. A read after the write then rules that out. Before a setting of
+// an echo until a line has received anything else, and again after a request without a valid response. A read after the
+// write then rules that out. Before a setting of
 // the line the read goes first: the response to such a write may be the last one. Blocking and stepped calls are
 // loops over this machine: they build the frames and carry them.
 //

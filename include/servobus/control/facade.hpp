@@ -80,7 +80,7 @@ template <class Model, class Line> class facade : public drive_view<Model, Line>
         }
         const duration idle = line_->step(machine_.exchange(), machine_.gaps());
         if (!machine_.exchange().done()) return idle;
-        machine_.conclude(line_->now(), line_->began_at(), !line_->is_echo_ruled_out());
+        machine_.conclude(line_->now(), line_->began_at(), !line_->is_echo_ruled_out(this->address()));
         if (machine_.announces_stop()) line_->announce_stop();
         return {};
     }

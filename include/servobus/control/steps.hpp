@@ -36,12 +36,15 @@ inline void a_step_is_one_short_frame() {}
 inline void a_step_writes_no_read_only_register() {}
 inline void a_step_reads_no_write_only_register() {}
 inline void a_step_has_no_value_that_its_register_refuses() {}
+inline void a_constant_of_two_words_needs_the_word_order_of_the_profile() {}
+inline void bits_of_a_step_lie_in_one_word_of_its_register() {}
+inline void a_step_compares_16_bits_of_registers_of_one_word() {}
 
 constexpr void check_slot(const step& s) {
     if (s.what == step::kind::write && s.count > max_arguments) a_step_writes_at_most_6_words();
     if (s.what == step::kind::fetch) {
         if (s.slot + s.count > max_words) a_step_fetches_into_the_routine_s_16_words();
-    } else if (s.slot != step::constant && s.slot + s.count > max_arguments) {
+    } else if (s.slot < step::pair && s.slot + s.count > max_arguments) {
         a_step_takes_its_words_from_the_6_arguments();
     }
 }
@@ -86,7 +89,7 @@ template <class... Rows> constexpr step make(step::kind what, std::uint8_t slot,
 // A step takes for `R` a code as it is, which spares the compiler a setting, the price of five rows.
 template <const auto& R, class T = typename servobus::row_type<R>::value_type>
 using constant_of = std::conditional_t<servobus::wire_integer<T>, register_value<R>, T>;
-template <const auto& R> constexpr std::uint16_t word_of(const constant_of<R>& value) {
+template <const auto& R> constexpr std::uint32_t bits_of(const constant_of<R>& value) {
     if constexpr (!servobus::wire_integer<typename servobus::row_type<R>::value_type>) {
         const std::uint16_t word = static_cast<std::uint16_t>(servobus::to_bits(value));
         if (!R.limits.contains(word))
@@ -95,31 +98,73 @@ template <const auto& R> constexpr std::uint16_t word_of(const constant_of<R>& v
         return word;
     } else {
         if (value.error() != errc::ok) a_step_has_no_value_that_its_register_refuses();
-        return static_cast<std::uint16_t>(value.bits());
+        return value.bits();
     }
 }
-template <const auto& R> consteval bool may_start(std::uint16_t word) {
+template <const auto& R> inline constexpr bool is_pair = servobus::row_type<R>::words == 2;
+template <const auto& R> inline constexpr std::uint32_t all_bits = is_pair<R> ? 0xFFFF'FFFF : 0xFFFF;
+template <const auto& R>
+inline constexpr word_order fixed_order =
+    servobus::has_fixed_word_order<typename servobus::row_type<R>::device>
+        ? servobus::row_type<R>::device::facts.word_order
+        : word_order::unknown;
+
+/// Puts a constant of two words into a step, in the word order of the profile. Equal words need no order.
+constexpr void put_pair(step& s, std::uint32_t bits, word_order order) {
+    const word_pair words = split_words(bits, order);
+    s.value = words.first;
+    if (words.first == words.second) return;
+    if (order == word_order::unknown) a_constant_of_two_words_needs_the_word_order_of_the_profile();
+    s.slot = step::pair;
+    s.limit_ms = words.second;
+}
+/// Compares bits of a pair: the step reads only the word that has them. Zero in all 32 bits is in both words.
+constexpr void put_bits_of_pair(step& s, std::uint32_t mask, std::uint32_t value, word_order order) {
+    if (mask == 0xFFFF'FFFF && value == 0) return;
+    const std::uint32_t bits = mask | value;
+    const bool is_high = (bits & 0xFFFF) == 0;
+    if (!is_high && bits > 0xFFFF) bits_of_a_step_lie_in_one_word_of_its_register();
+    if (order == word_order::unknown) a_constant_of_two_words_needs_the_word_order_of_the_profile();
+    s.count = 1;
+    if (is_high == (order == word_order::low_first)) ++s.address;
+    s.mask = static_cast<std::uint16_t>(is_high ? mask >> 16 : mask);
+    s.value = static_cast<std::uint16_t>(is_high ? value >> 16 : value);
+}
+constexpr void put_bits(step& s, std::uint32_t mask, std::uint32_t value) {
+    if ((mask | value) > 0xFFFF) bits_of_a_step_lie_in_one_word_of_its_register();
+    s.mask = static_cast<std::uint16_t>(mask);
+    s.value = static_cast<std::uint16_t>(value);
+}
+template <const auto&... Rs> constexpr void check_single_words() {
+    if ((is_pair<Rs> || ...)) a_step_compares_16_bits_of_registers_of_one_word();
+}
+template <const auto& R> consteval bool may_start(std::uint32_t bits) {
     if constexpr (has(R.flags, flag::trigger | flag::motion)) {
-        return !stop_words<R>.contains(word);
+        return !stop_words<R>.contains(bits, all_bits<R>);
     } else {
         return false;
     }
 }
 } // namespace detail
 
-/// Writes a constant.
+/// Writes a constant. The words of a 32-bit one are in the word order of the profile; where the drive can switch it,
+/// they must be equal.
 template <const auto& R> consteval step write(detail::constant_of<R> value) {
     step s = detail::make(step::kind::write, step::constant, R);
-    s.value = detail::word_of<R>(value);
+    const std::uint32_t bits = detail::bits_of<R>(value);
+    if constexpr (detail::is_pair<R>)
+        detail::put_pair(s, bits, detail::fixed_order<R>);
+    else
+        s.value = static_cast<std::uint16_t>(bits);
     if constexpr (has(R.flags, flag::trigger | flag::motion)) // in place: fewer instances for the compiler
-        s.limit_ms = stop_words<R>.contains(s.value) ? std::uint16_t{0} : step::no_stop;
+        s.mask = stop_words<R>.contains(bits, detail::all_bits<R>) ? std::uint16_t{0xFFFF} : step::no_stop;
     return s;
 }
 
 /// Writes zero to adjacent registers.
 template <const auto&... Rs> consteval step write_zero() {
     step s = detail::make(step::kind::write, step::constant, Rs...);
-    s.limit_ms = (detail::may_start<Rs>(0) || ...) ? step::no_stop : std::uint16_t{0};
+    if ((detail::may_start<Rs>(0) || ...)) s.mask = step::no_stop;
     return s;
 }
 
@@ -138,18 +183,23 @@ template <const auto&... Rs> consteval step set_arguments(std::uint8_t slot = 0)
     return s;
 }
 
-/// Requires that a register holds a constant; otherwise the routine ends with `otherwise`.
+/// Requires that a register holds a constant; otherwise the routine ends with `otherwise`. A 32-bit one is compared
+/// whole, in the word order of the profile, as `write` sends it.
 template <const auto& R>
 consteval step expect(detail::constant_of<R> value, errc otherwise = errc::unexpected_value) {
     step s = detail::make(step::kind::expect, step::constant, R);
-    s.value = detail::word_of<R>(value);
+    if constexpr (detail::is_pair<R>)
+        detail::put_pair(s, detail::bits_of<R>(value), detail::fixed_order<R>);
+    else
+        s.value = static_cast<std::uint16_t>(detail::bits_of<R>(value));
     s.otherwise = otherwise;
     return s;
 }
 
-/// Requires that adjacent registers hold zero in the bits of `mask`.
+/// Requires that adjacent registers hold zero in the bits of `mask`. A mask is for registers of one word.
 template <const auto&... Rs>
 consteval step expect_zero(errc otherwise = errc::unexpected_value, std::uint16_t mask = 0xFFFF) {
+    if (mask != 0xFFFF) detail::check_single_words<Rs...>();
     step s = detail::make(step::kind::expect, step::constant, Rs...);
     s.otherwise = otherwise;
     s.mask = mask;
@@ -164,33 +214,41 @@ consteval step expect_arguments(std::uint8_t slot = 0, errc otherwise = errc::un
     return s;
 }
 
-/// Requires bits of a register.
-template <const auto& R> consteval step expect_bits(std::uint16_t mask, std::uint16_t value, errc otherwise) {
+/// Requires bits of a register. The bits of a 32-bit register lie in one of its words, which is read alone; zero in all
+/// 32 bits is read in both.
+template <const auto& R> consteval step expect_bits(std::uint32_t mask, std::uint32_t value, errc otherwise) {
     step s = detail::make(step::kind::expect, step::constant, R);
-    s.mask = mask;
-    s.value = value;
+    if constexpr (detail::is_pair<R>)
+        detail::put_bits_of_pair(s, mask, value, detail::fixed_order<R>);
+    else
+        detail::put_bits(s, mask, value);
     s.otherwise = otherwise;
     return s;
 }
 
 /// Reads a register until its bits are as wanted, at most `limit_ms`, or, with `step::commanded_limit`, as
-/// long as the routine began with.
+/// long as the routine began with. A 32-bit register is read as by `expect_bits`; several registers have one word each.
 template <const auto&... Rs>
-consteval step until_bits(std::uint16_t mask, std::uint16_t value, std::uint16_t limit_ms,
+consteval step until_bits(std::uint32_t mask, std::uint32_t value, std::uint16_t limit_ms,
                           errc otherwise = errc::not_reached) {
     step s = detail::make(step::kind::until, step::constant, Rs...);
-    s.mask = mask;
-    s.value = value;
+    if constexpr (sizeof...(Rs) == 1 && (detail::is_pair<Rs> && ...)) {
+        (detail::put_bits_of_pair(s, mask, value, detail::fixed_order<Rs>), ...);
+    } else {
+        detail::check_single_words<Rs...>();
+        detail::put_bits(s, mask, value);
+    }
     s.limit_ms = limit_ms;
     s.otherwise = otherwise;
     return s;
 }
 
-/// Reads signed registers until each is at most `most` away from zero, at most `limit_ms`: until a motor is
+/// Reads signed registers of one word until each is at most `most` away from zero, at most `limit_ms`: until a motor is
 /// at standstill.
 template <const auto&... Rs>
 consteval step until_within(std::uint16_t most, std::uint16_t limit_ms, errc otherwise = errc::not_reached) {
     step s = detail::make(step::kind::until, step::constant, Rs...);
+    detail::check_single_words<Rs...>();
     s.value = most;
     s.is_within = true;
     s.limit_ms = limit_ms;
@@ -198,9 +256,10 @@ consteval step until_within(std::uint16_t most, std::uint16_t limit_ms, errc oth
     return s;
 }
 
-/// Requires that signed registers are at most `most` away from zero.
+/// Requires that signed registers of one word are at most `most` away from zero.
 template <const auto&... Rs> consteval step expect_within(std::uint16_t most, errc otherwise) {
     step s = detail::make(step::kind::expect, step::constant, Rs...);
+    detail::check_single_words<Rs...>();
     s.value = most;
     s.is_within = true;
     s.otherwise = otherwise;
@@ -251,9 +310,8 @@ consteval step element(step s) {
 /// The same step, repeated if it gets no response: for stops only, which are safe to repeat. Of a register that may also
 /// start something (flag `trigger` or `motion`) only its `stop_words` are taken; a row without a flag is not checked.
 consteval step repeatable(step s) {
-    if (s.what != step::kind::write || s.slot != step::constant)
-        detail::a_repeatable_step_writes_a_constant();
-    if (s.limit_ms == step::no_stop) detail::a_repeatable_step_stops_the_drive_see_stop_words();
+    if (s.what != step::kind::write || s.slot < step::pair) detail::a_repeatable_step_writes_a_constant();
+    if (s.mask == step::no_stop) detail::a_repeatable_step_stops_the_drive_see_stop_words();
     s.is_repeatable = true;
     return s;
 }

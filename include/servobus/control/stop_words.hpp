@@ -19,24 +19,25 @@
 
 namespace servobus {
 
-/// Words of one register.
+/// Words of one register; of a 32-bit register, its values.
 template <std::size_t N> struct stop_word_set {
-    std::uint16_t words[N == 0 ? 1 : N]{};
+    std::uint32_t words[N == 0 ? 1 : N]{};
 
-    constexpr bool contains(std::uint16_t word) const {
+    /// True if the register stops the motor by `value`. Only the bits of `used`, those of the register, are compared.
+    constexpr bool contains(std::uint32_t value, std::uint32_t used = 0xFFFF'FFFF) const {
         for (std::size_t i = 0; i < N; ++i) {
-            if (words[i] == word) return true;
+            if (((words[i] ^ value) & used) == 0) return true;
         }
         return false;
     }
 };
 
 namespace detail {
-template <class Value> consteval std::uint16_t stop_word(Value value) {
+template <class Value> consteval std::uint32_t stop_word(Value value) {
     if constexpr (std::is_integral_v<Value>) {
-        return static_cast<std::uint16_t>(value);
+        return static_cast<std::uint32_t>(value);
     } else {
-        return static_cast<std::uint16_t>(to_bits(value));
+        return to_bits(value);
     }
 }
 } // namespace detail

@@ -173,8 +173,9 @@ class blocking_line : modbus::gathering<std::uint8_t, Lengths> {
     constexpr void begin_epoch(std::uint8_t node_address) { epochs_.count_miss(node_address); }
     /// The length of the last response, in bytes: of one that is as long as a rule says.
     constexpr std::size_t response_size() const { return length_; }
-    /// True once something was answered that no echo can be; see `line::is_echo_ruled_out`.
-    constexpr bool is_echo_ruled_out() const { return is_echo_ruled_out_; }
+    /// True once something was answered that no echo can be, until a request gets no valid response; see
+    /// `line::is_echo_ruled_out`. One flag serves all nodes.
+    constexpr bool is_echo_ruled_out(std::uint8_t /*node_address*/ = 0) const { return is_echo_ruled_out_; }
 
     /// Runs `x` to its end: polls, or sleeps if the port can. Returns how it ended, within `bound`, whatever
     /// the port and the clock do. Errors of its own: `bad_argument` for a request that is no frame, or a node
@@ -288,6 +289,7 @@ class blocking_line : modbus::gathering<std::uint8_t, Lengths> {
                 idle_ = after_error;
             }
         }
+        if (idle_ != after_error) is_echo_ruled_out_ = false; // it has not ended cleanly
         if (owes) idle_ = {};
         return ended_;
     }

@@ -60,9 +60,16 @@ class line {
     constexpr const Observer& observer() const { return observer_; }
     constexpr Port& port() { return *port_; }
     constexpr Echo& echo() { return echo_; }
-    /// True after the first response that cannot be an echo of its request: to a read, to a multiple write, or
-    /// an exception. Until then the response to function 06, which equals its request, may be a local echo.
-    constexpr bool is_echo_ruled_out() const { return is_echo_ruled_out_; }
+    /// True if a response of this node that equals its request, such as that to function 06, is no echo. False until
+    /// the first response that cannot be an echo: to a read, to a multiple write, or an exception, of any node. False
+    /// again after a request to the node without a valid response, until the node sends one that cannot be an echo:
+    /// there are adapters that return what they send while no node drives the wire. The counters of `epoch` serve for
+    /// it, so that node 9 counts as node 1.
+    constexpr bool is_echo_ruled_out(std::uint8_t node_address) const {
+        return !(epochs_.is_suspect(node_address) | is_echo_possible_);
+    }
+    /// The same of all nodes.
+    constexpr bool is_echo_ruled_out() const { return !(is_echo_possible_ || epochs_.is_any_suspect()); }
     constexpr instant now() const { return port_->now(); }
     /// When the port took the first byte of the last request: no node received it earlier than this, however
     /// late the program checked that it had left.
@@ -79,7 +86,7 @@ class line {
         if (node_address == modbus::broadcast)
             epochs_.count_miss_of_all();
         else
-            epochs_.count_miss(node_address);
+            epochs_.begin(node_address);
     }
 
     /// A setting of the node that a facade caches was written by another client. Address 0: of all nodes. The facade's
@@ -153,7 +160,7 @@ class line {
         if (!is_free()) return errc::busy;
         timing_ = timing;
         gap_.require_quarantine_from(now());
-        is_echo_ruled_out_ = false;
+        is_echo_possible_ = true;
         return errc::ok;
     }
 
@@ -460,7 +467,7 @@ class line {
         }
         gap_.require_quarantine_from(at, more);
         if (x.status().error() == errc::port_lost && gap_.note_loss()) {
-            is_echo_ruled_out_ = false;
+            is_echo_possible_ = true;
             epochs_.count_loss();
         }
         release();
@@ -471,7 +478,10 @@ class line {
         if (!x.status().has_response()) {
             note_failure(x, is_early);
         } else {
-            if (x.differs_from_request()) is_echo_ruled_out_ = true;
+            if (x.differs_from_request()) {
+                is_echo_possible_ = false;
+                epochs_.clear_suspicion(x.address());
+            }
             if constexpr (is_host) {
                 arbiter_.release();
                 taken_ = 0;
@@ -483,8 +493,8 @@ class line {
     }
 
     // The bytes first: a short instruction of a small core reaches no further than 31 bytes for them.
-    bool waits_ = false; // for the gap, since `started_`
-    bool is_echo_ruled_out_ = false;
+    bool waits_ = false;           // for the gap, since `started_`
+    bool is_echo_possible_ = true; // of all nodes: no response so far was different from its request
     detail::epoch_counters<8> epochs_;
     std::uint16_t taken_ = 0; // bytes of the request of the exchange that has the line, or `whole`
     other_requests others_{};

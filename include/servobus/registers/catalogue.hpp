@@ -33,13 +33,14 @@ constexpr const char* text(access a) {
     return names[static_cast<unsigned>(a)];
 }
 
-/// A name for a value of a register's field. It applies if `(word & mask) == value`.
+/// A name for a value of a register's field. It applies if `(bits & mask) == value`. A mask of all 16 bits is for the
+/// whole value: of a 32-bit register it has only values that fit into 16 bits.
 struct named_value {
     std::uint16_t mask;
     std::uint16_t value;
     const char* name;
 
-    constexpr bool applies(u32 word) const { return (word & mask) == value; }
+    constexpr bool applies(u32 bits) const { return mask == 0xFFFF ? bits == value : (bits & mask) == value; }
 };
 
 /// Names a code: a value of the whole register.

@@ -68,26 +68,29 @@ constexpr void put_name(text_writer& out, const char* name, value_format how) {
     for (; *name != '\0'; ++name) out << (how == value_format::tokens && *name == ' ' ? '_' : *name);
 }
 
-constexpr void put_names(text_writer& out, const entry& e, u16 word, value_format how) {
-    std::uint16_t named = 0;
+constexpr void put_bits(text_writer& out, const entry& e, u32 bits) {
+    out << "0x";
+    out.hex(bits, e.words() == 2 ? 8 : 4);
+}
+
+constexpr void put_names(text_writer& out, const entry& e, u32 bits, value_format how) {
+    u32 named = 0;
     bool is_first = true;
     for (const named_value& v : e.values) {
-        if (!v.applies(word)) continue;
+        if (!v.applies(bits)) continue;
         if (!is_first) out << (how == value_format::tokens ? "+" : " + ");
         put_name(out, v.name, how);
-        named = static_cast<std::uint16_t>(named | v.mask);
+        named |= v.mask;
         is_first = false;
     }
-    if (is_first) {
-        out.hex_word(word);
-        return;
-    }
-    if (const auto rest = static_cast<u16>(word & ~named & 0xFFFF); rest != 0) {
+    if (is_first) return put_bits(out, e, bits);
+    if (const u32 rest = bits & ~named; rest != 0) {
         out << (how == value_format::tokens ? "+" : " + ");
-        out.hex_word(rest);
+        put_bits(out, e, rest);
     }
     out << " (";
-    out.hex_word(word) << ')';
+    put_bits(out, e, bits);
+    out << ')';
 }
 
 constexpr void put_halves(text_writer& out, const entry& e, u16 word, value_format how) {
@@ -114,8 +117,10 @@ constexpr void put_quantity(text_writer& out, const entry& e, std::int64_t count
 /// callers append `factory_scale_note`.
 constexpr void put_value(text_writer& out, const entry& e, u32 bits, value_format how = value_format::words) {
     switch (e.names) {
-    case naming::names: return detail::put_names(out, e, static_cast<u16>(bits), how);
-    case naming::halves: return detail::put_halves(out, e, static_cast<u16>(bits), how);
+    case naming::names: return detail::put_names(out, e, e.words() == 2 ? bits : bits & 0xFFFF, how);
+    case naming::halves:
+        if (e.words() == 2) break; // a pair has no halves of one byte
+        return detail::put_halves(out, e, static_cast<u16>(bits), how);
     case naming::number: break;
     }
     put_quantity(out, e, e.number(bits));

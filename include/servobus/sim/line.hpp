@@ -37,9 +37,12 @@ struct wire_byte {
 struct line_settings {
     std::uint32_t baud = 115200; ///< the client's UART
     std::uint64_t seed = 1;
-    bool echoes = false;             ///< the client receives what it sends, as on many RS-485 adapters
-    bool keeps_echo = false;         ///< the port leaves the echo to the line: give it `echoed`
-    duration echo_delay{};           ///< above 0 the echo ends after `sent()` is true, as with USB
+    bool echoes = false;     ///< the client receives what it sends, as on many RS-485 adapters
+    bool keeps_echo = false; ///< the port leaves the echo to the line: give it `echoed`
+    duration echo_delay{};   ///< above 0 the echo ends after `sent()` is true, as with USB
+    /// Above 0 the adapter returns a request to which no device has responded so long after its last bit, as some do while
+    /// no drive is connected. Longer than the devices take.
+    duration unanswered_return{};
     instant start{};                 ///< first value of the clock: a test may begin before its wrap
     duration poll = microseconds(1); ///< what a call of sent, receive or now takes
 };
@@ -114,10 +117,13 @@ template <std::size_t Devices> class basic_virtual_line {
         is_unplugged_ = true;
         arrived_ = 0;
         queued_ = gone_ = 0;
+        return_at_ = never;
     }
     void plug() { is_unplugged_ = false; }
     /// Interrupts the wire for a time: no byte passes, and no call reports it.
     void cut_for(duration time) { cut_until_ = time_ + time.us; }
+    /// True while no byte passes.
+    bool is_cut() const { return time_ < cut_until_ || faults_.plan().is_unplugged; }
 
     /// Sets the client's UART to another rate. Between the client and a device at another rate every byte
     /// arrives corrupted, in both directions.
@@ -126,6 +132,10 @@ template <std::size_t Devices> class basic_virtual_line {
         character_ = modbus::timing_at(baud).character;
     }
     void set_echo(bool echoes) { settings_.echoes = echoes; }
+    /// See `line_settings::unanswered_return`.
+    void set_unanswered_return(duration after) { settings_.unanswered_return = after; }
+    /// Requests that the adapter has returned, since no device had responded.
+    std::uint32_t returned() const { return returned_; }
 
     /// Advances the time while the client does not call the port.
     void pass(duration time) {
@@ -179,6 +189,7 @@ template <std::size_t Devices> class basic_virtual_line {
         queued_ = gone_ = 0;
         idle_until_ = 0;
         was_reported_ = false;
+        return_at_ = never;
         next_out_ = time_ + character_;
         request_fate_ = faults_.decide_request();
         wrong_byte_ = request_fate_.is_corrupted && size != 0 ? request_fate_.seed % size : none_wrong;
@@ -201,7 +212,7 @@ template <std::size_t Devices> class basic_virtual_line {
         if (is_sending()) next = earlier(next, next_out_);
         if (responding_ != 0) next = earlier(next, next_response_byte());
         if (echoed_ != 0) next = earlier(next, echoes_[first_echo_].at_us);
-        next = earlier(next, next_look_);
+        next = earlier(next, earlier(next_look_, return_at_));
         if (next > time_) time_ = next;
         if (is_sending() && next_out_ <= time_) pass_request_byte();
         if (responding_ != 0) pass_response_bytes();
@@ -210,7 +221,8 @@ template <std::size_t Devices> class basic_virtual_line {
             first_echo_ = (first_echo_ + 1) % echoes_.size();
         }
         run_devices();
-        idle_until_ = earlier(next_look_, time_ + longest_lag_us);
+        if (return_at_ <= time_) return_request();
+        idle_until_ = earlier(earlier(next_look_, return_at_), time_ + longest_lag_us);
         if (is_sending() || echoed_ != 0 || responding_ != 0) idle_until_ = 0;
     }
 
@@ -247,20 +259,26 @@ template <std::size_t Devices> class basic_virtual_line {
         }
     }
 
-    bool is_cut() const { return time_ < cut_until_ || faults_.plan().is_unplugged; }
-
     void pass_request_byte() {
         std::uint8_t byte = request_[gone_];
         if (gone_ == wrong_byte_)
             byte = static_cast<std::uint8_t>(byte ^ (1 + (request_fate_.seed >> 8) % 255));
         ++gone_;
         next_out_ += character_;
+        if (settings_.unanswered_return != duration{} && !is_sending())
+            return_at_ = time_ + settings_.unanswered_return.us;
         byte = mixed(byte, nullptr);
         if (settings_.echoes && echoed_ != echoes_.size())
             echoes_[(first_echo_ + echoed_++) % echoes_.size()] = {time_ + settings_.echo_delay.us, byte};
         if (request_fate_.is_lost || is_cut()) return;
         if (hook_ != nullptr) hook_(hook_context_, {time_, byte, true});
         spread(byte, settings_.baud, count_);
+    }
+
+    void return_request() {
+        return_at_ = never;
+        ++returned_;
+        for (std::size_t i = 0; i < queued_; ++i) deliver(request_[i]);
     }
 
     void pass_response_byte(transmission& v) {
@@ -301,6 +319,7 @@ template <std::size_t Devices> class basic_virtual_line {
     void begin_response(std::size_t device, bytes frame) {
         const fate what = faults_.decide();
         ++responses_;
+        return_at_ = never;
         if (!what.is_clean()) ++struck_;
         std::array<std::uint8_t, max_spoiled> spoiled{};
         const std::size_t size = spoil(what, frame, spoiled);
@@ -336,6 +355,7 @@ template <std::size_t Devices> class basic_virtual_line {
     std::uint64_t time_ = 0;
     std::uint64_t cut_until_ = 0;
     std::uint64_t next_out_ = never;
+    std::uint64_t return_at_ = never;
     std::uint64_t next_look_ = 0;  // when a device is to run next
     std::uint64_t idle_until_ = 0; // no event happens before
     std::array<place, Devices> places_{};
@@ -358,6 +378,7 @@ template <std::size_t Devices> class basic_virtual_line {
     std::uint32_t requests_ = 0;
     std::uint32_t responses_ = 0;
     std::uint32_t struck_ = 0;
+    std::uint32_t returned_ = 0;
     std::uint32_t collisions_ = 0;
     bool is_unplugged_ = false;
     bool was_reported_ = true;

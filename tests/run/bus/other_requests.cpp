@@ -7,16 +7,19 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include <servobus/bus/bus.hpp>
 #include <servobus/client/stepped_read.hpp>
+#include <servobus/client/stepped_write.hpp>
 #include <servobus/device/yako.hpp>
 #include <servobus/device/zlac8015d.hpp>
 #include <servobus/sim/line.hpp>
 #include <servobus/sim/yako.hpp>
 #include <servobus/sim/zlac8015d.hpp>
 
+#include <tests/support/patience.hpp>
 #include <tests/support/scripted_port.hpp>
 
 namespace other_requests_tests {
@@ -44,6 +47,12 @@ constexpr poll_plan plan{
         .commands(milliseconds(40)),
     own_requests(sensor_node, milliseconds(50), 2), own_requests(second_node, milliseconds(50), 2)};
 
+constexpr poll_plan with_one_node{
+    modbus::timing_at(115200),
+    controlled(wheels_node, {.feedback = milliseconds(20), .command_timeout = milliseconds(500)})
+        .commands(milliseconds(40)),
+    own_requests(sensor_node, milliseconds(50), 2)};
+
 /// A request of the program takes 20 ms on the wire.
 constexpr poll_plan with_long_writes{
     modbus::timing_at(115200),
@@ -63,6 +72,18 @@ constexpr poll_plan crowded{
     controlled(wheels_node, {.feedback = milliseconds(20), .command_timeout = no_command_timeout}),
     cyclic<zlac8015d::bus_voltage>(wheels_node, milliseconds(20)),
     own_requests(sensor_node, milliseconds(50), 1)};
+
+/// Refuses all requests by one exception.
+struct refusing_sensor {
+    std::uint8_t number;
+    unsigned writes = 0;
+
+    std::uint8_t read(std::uint16_t, std::span<std::uint16_t>) { return number; }
+    std::uint8_t write(std::uint16_t, words_view) {
+        ++writes;
+        return number;
+    }
+};
 
 struct request {
     std::uint64_t begin, end;
@@ -207,10 +228,12 @@ TEST_CASE(
             CHECK(took <= plan.worst_case_stop_latency().us);
             longest = took > longest ? took : longest;
             during += is_sensor ? 1u : 0u;
-            while (!r.wheels.is_idle()) turn(r, sensor_of_program, second_of_program);
+            for (tests::patience left{"the end of a command"}; !r.wheels.is_idle(); left.use())
+                turn(r, sensor_of_program, second_of_program);
             REQUIRE(r.wheels.last());
             REQUIRE(r.wheels.begin(zlac8015d::enable_in{zlac8015d::operating_mode::velocity}) == errc::ok);
-            while (!r.wheels.is_idle()) turn(r, sensor_of_program, second_of_program);
+            for (tests::patience left{"the end of a command"}; !r.wheels.is_idle(); left.use())
+                turn(r, sensor_of_program, second_of_program);
             REQUIRE(r.wheels.last());
         }
         CHECK(during > 30);
@@ -281,6 +304,67 @@ TEST_CASE("G28: a node of the program's own requests is gone after as many misse
     CHECK(asked_while_silent<2>() == after_one + 1);
     CHECK(asked_while_silent<3>() == after_one + 2);
     CHECK(asked_while_silent<9>() == after_one + 2);
+}
+
+namespace {
+
+// A program asks a node that refuses everything, every 50 ms for 3 s, and writes once.
+template <const auto& Plan, bool HasReads> void ask_one_that_refuses(std::uint8_t number) {
+    using line_type = line<sim::virtual_line>;
+    sim::zlac8015d model{};
+    refusing_sensor refuses{number};
+    sim::station<sim::zlac8015d> station{model};
+    sim::station<refusing_sensor> other_station{refuses, 9, 115200};
+    sim::virtual_line wire{115200};
+    line_type on{wire, Plan.timing()};
+    zlac8015d::drive<line_type> wheels{on, wheels_node, unsupervised};
+    bus<Plan, line_type, decltype(wheels)> all{on, wheels};
+    wire.attach(station);
+    wire.attach(other_station);
+    REQUIRE(all.run(wheels, zlac8015d::init{}));
+    client<line_type, sensor> direct{on, sensor_node};
+    stepped_read_words<decltype(direct), 2> read{direct};
+    stepped_write_words<decltype(direct), 1> write{direct};
+    const auto until = [&](std::uint64_t at) {
+        while (wire.time_us() < at) wire.wait(longer_of(all.step(), microseconds(1)));
+    };
+    const auto ended = [&](auto& call) {
+        for (const std::uint64_t end = wire.time_us() + 1'000'000; !call.done() && wire.time_us() < end;)
+            wire.wait(longer_of(shorter_of(all.step(), call.step()), microseconds(1)));
+        REQUIRE(call.done());
+        return call.status();
+    };
+    unsigned refused = 0;
+    for (const std::uint64_t end = wire.time_us() + 3'000'000; wire.time_us() < end;) {
+        const std::uint64_t next = wire.time_us() + 50'000;
+        REQUIRE(read.begin(0xFFF0, 2) == errc::ok);
+        const status got = ended(read);
+        CHECK(got.exception() == number);
+        CHECK(got.error() == errc::exception);
+        refused += got.has_response() ? 1u : 0u;
+        until(next);
+    }
+    CHECK(refused > 30); // a node that is gone is asked once a second
+    if constexpr (HasReads) {
+        CHECK_FALSE(all.is_absent(9));
+        CHECK(all.template latest<0>(milliseconds(500)).error() == errc::exception);
+    }
+    REQUIRE(write.begin(u16{0x0020}, u16{1}) == errc::ok);
+    const status how = ended(write);
+    CHECK(how.exception() == number);
+    CHECK(how.outcome() == outcome::refused); // G16
+    CHECK(refuses.writes == 1);               // G15
+}
+
+} // namespace
+
+TEST_CASE(
+    "G28: a node that refuses is there: own requests, cyclic reads, and a client's write beside the bus") {
+    for (std::uint8_t number = 1; number <= 6; ++number) {
+        CAPTURE(static_cast<int>(number));
+        ask_one_that_refuses<with_one_node, false>(number);
+        ask_one_that_refuses<with_reads_of_it, true>(number);
+    }
 }
 
 TEST_CASE("G28: a request that has ended, or that never left, is no miss of its node") {
@@ -438,7 +522,7 @@ TEST_CASE(
         modbus::exchange own{request, response, on.timing(), sensor_node.limits};
         modbus::exchange urgent{stop, room, on.timing(), wheels_node.limits, priority::stop};
         while (own.is_to_leave()) on.step(own, sensor_node.gaps);
-        while (!own.done()) {
+        for (tests::patience left{"the end of a call"}; !own.done(); left.use()) {
             on.step(urgent, wheels_node.gaps);
             on.step(own, sensor_node.gaps);
         }

@@ -267,6 +267,7 @@ TEST_CASE("G26: the application's next motion ends the repetition of its stop on
     r.is_mute = true;
     CHECK_FALSE(r.drive.run(halting));
     r.is_mute = false;
+    REQUIRE(r.drive.run(look)); // after that the response to the move is no echo
     CHECK(r.drive.run(move));
     r.port.frames.clear();
     r.loop(2000);

@@ -258,7 +258,9 @@ TEST_CASE("G15: a write that the drive reports as damaged is not repeated, unles
     CHECK(r.asked(command_at) == 2);
 }
 
-TEST_CASE("a stop is sent three times whatever the responses are, and ends with the first good one") {
+TEST_CASE("G3, G26: a stop is sent three times whatever the responses are, and ends with the first good one, "
+          "which may be "
+          "an echo after one that was lost") {
     for (unsigned bad = 0; bad <= 4; ++bad) {
         for (const bool is_refusal : {false, true}) {
             CAPTURE(bad);
@@ -272,7 +274,9 @@ TEST_CASE("a stop is sent three times whatever the responses are, and ends with 
             }
             const routine_status stopped = r.run(fixture::one_stop);
             CHECK(r.asked(command_at) == (bad < 3 ? bad + 1 : 3));
-            CHECK(static_cast<bool>(stopped) == (bad < 3));
+            const bool may_be_echo = !is_refusal && bad != 0 && bad < 3; // nothing is read after it
+            CHECK(static_cast<bool>(stopped) == (bad < 3 && !may_be_echo));
+            if (may_be_echo) CHECK(stopped.error() == errc::own_echo);
             if (bad >= 3) {
                 CHECK(stopped.outcome() == (is_refusal ? outcome::refused : outcome::unknown));
                 CHECK(stopped.error() == (is_refusal ? errc::exception : errc::timeout));

@@ -131,11 +131,44 @@ TEST_CASE("a register value is written in words, or as one token without a blank
     CHECK(said(0x23FF, tokens) == "3.5/25.5 degC");
     e.kind = value_kind::signed_word;
     CHECK(said(0x23FF, tokens) == "3.5/-0.1 degC");
+    e.kind = value_kind::unsigned_pair; // it has no halves
+    CHECK(said(0x23FF, tokens) == "921.5 degC");
+    e.kind = value_kind::signed_word;
     for (const naming how : {naming::number, static_cast<naming>(7)}) { // 7 is outside the enumeration
         e.names = how;
         CHECK(said(0xFFFB, words) == "-0.5 degC");
         CHECK(said(0xFFFB, tokens) == "-0.5 degC");
     }
+}
+
+TEST_CASE("the names of a 32-bit register are of its whole value") {
+    static constexpr named_value codes[] = {code(0, "off"), code(1, "on"), code(0xFFFF, "all")};
+    static constexpr named_value bits[] = {named_bit(0x0001, "locked"), field(0x0030, 0x0020, "not ready")};
+    entry e{};
+    e.names = naming::names;
+    const auto said = [&e](u32 value) {
+        std::array<char, 100> room{};
+        text_writer out{room};
+        put_value(out, e, value);
+        return std::string{room.data(), out.size()};
+    };
+    for (const value_kind kind : {value_kind::unsigned_pair, value_kind::signed_pair}) {
+        e.kind = kind;
+        e.values = codes;
+        CHECK(said(1) == "on (0x00000001)");
+        CHECK(said(0x1'0001) == "0x00010001");
+        CHECK(said(0x1'0000) == "0x00010000");
+        CHECK(said(0xFFFF) == "all (0x0000FFFF)");
+        CHECK(said(0xFFFF'FFFF) == "0xFFFFFFFF");
+        e.values = bits;
+        CHECK(said(0x1'0021) == "locked + not ready + 0x00010000 (0x00010021)");
+        CHECK(said(0x21) == "locked + not ready (0x00000021)");
+    }
+    e.kind = value_kind::unsigned_word;
+    e.values = codes;
+    CHECK(said(0xFFFF) == "all (0xFFFF)");
+    e.kind = value_kind::signed_word; // as -1 is given, and as it is read
+    CHECK(said(0xFFFF'FFFF) == "all (0xFFFF)");
 }
 
 } // namespace text_tests

@@ -68,6 +68,31 @@ TEST_CASE("each axis goes to its places") {
     CHECK(r.belts.left().run(travel_to{2148_m}, wait_reached{}).how == arrival_state::none);
 }
 
+TEST_CASE("G42: an axis is mirrored on either wheel: ways, places, speeds, and what is missing") {
+    constexpr auto plain = axis::of(rolling(120_mm, counts_per_turn{4096}));
+    constexpr auto back = axis::of(mirrored(rolling(120_mm, counts_per_turn{4096})));
+    for (const bool is_left : {true, false}) {
+        rig r{is_left ? back : plain, is_left ? plain : back};
+        const auto targets = [&r](std::int64_t left, std::int64_t right) {
+            return r.model.left().target == left && r.model.right().target == right;
+        };
+        const int left = is_left ? -1 : 1, right = -left;
+        r.enable_for(operating_mode::absolute_position);
+        REQUIRE(r.belts.left().run(travel_to{60_mm}, wait_reached{}).how == arrival_state::reached);
+        REQUIRE(r.belts.right().run(travel_to{-30_mm}, wait_reached{}).how == arrival_state::reached);
+        CHECK(targets(left * 2048, right * -1024));
+        REQUIRE(r.belts.run(disable{}));
+        REQUIRE(r.belts.run(zlac8015d::enable_in{operating_mode::velocity}));
+        REQUIRE(r.belts.left().run(travel_at{200_mm_per_s}));
+        REQUIRE(r.belts.right().run(travel_at{-100_mm_per_s}));
+        CHECK(static_cast<std::int16_t>(r.model.peek(zlac8015d::left_target_speed.address)) == left * 100);
+        CHECK(static_cast<std::int16_t>(r.model.peek(zlac8015d::right_target_speed.address)) == right * -50);
+        REQUIRE(r.belts.left().run(travel_at{-200_mm_per_s}));
+        CHECK(static_cast<std::int16_t>(r.model.peek(zlac8015d::left_target_speed.address)) == left * -100);
+        REQUIRE(r.belts.run(halt{}));
+    }
+}
+
 TEST_CASE("the rest of each axis is kept over other commands") {
     rig r{belt, belt};
     r.enable_for(operating_mode::relative_position);

@@ -106,6 +106,34 @@ TEST_CASE("a mirrored axis, by segments that were set before") {
     CHECK(r.units() == -10'000);
 }
 
+TEST_CASE("G42: a mirrored axis has its ways and speeds the other way round, and nothing else") {
+    for (const axis* of : {&ram, &turned}) {
+        rig r{*of};
+        const int sign = of == &ram ? 1 : -1;
+        r.enable_for(ways);
+        const std::int64_t from = r.units();
+        CHECK(r.drive.run(travel_by{7.5_mm, quick}, wait_reached{}).how == arrival_state::reached);
+        CHECK(r.units() - from == sign * 15'000);
+        CHECK(r.model.peek(servobus::at<c630s::position_segment_speeds, 15>.address) == 600); // r/min
+        CHECK(r.model.peek(servobus::at<c630s::position_segment_acceleration_times, 15>.address) == 50);
+        CHECK(r.drive.run(travel_by{-2.5_mm, quick}, wait_reached{}).how == arrival_state::reached);
+        CHECK(r.units() - from == sign * 10'000);
+        REQUIRE(r.drive.run(disable{}));
+        REQUIRE(r.drive.run(c630s::enable_in{c630s::control_mode::speed}));
+        const auto speed_after = [&r] {
+            r.wire.pass(milliseconds(1500));
+            REQUIRE(r.drive.read());
+            return r.drive.speed(milliseconds(1000))->count();
+        };
+        const std::int64_t before = r.model.position();
+        REQUIRE(r.drive.run(travel_at{10_mm_per_s}));
+        CHECK(speed_after() > 9'900);
+        CHECK((r.model.position() - before) * sign > 0);
+        REQUIRE(r.drive.run(travel_at{-10_mm_per_s}));
+        CHECK(speed_after() < -9'900);
+    }
+}
+
 TEST_CASE("ways do not drift, and the rest is kept over what is refused") {
     rig r{third};
     r.enable_for(ways);

@@ -99,6 +99,44 @@ TEST_CASE("a mirrored axis: commands, feedback, limits and declared places") {
     CHECK(r.drive.speed(milliseconds(100)).value_or({}) == -20_mm_per_s);
 }
 
+TEST_CASE_TEMPLATE("G42: a mirrored axis takes all fields of a profile as any other does", Rig, closed,
+                   open) {
+    constexpr axis_profile whole{
+        .top = 50_mm_per_s, .acceleration = 60_ms, .deceleration = 40_ms, .start = 5_mm_per_s};
+    for (const axis* of : {&screw, &turned}) {
+        ready<Rig> r{*of};
+        const int sign = of == &screw ? 1 : -1;
+        const auto has_profile = [&r] {
+            return r.model.peek(yako::closed_loop::start_speed.address) == 60 && // r/min
+                   r.model.peek(yako::closed_loop::positioning_speed.address) == 600 &&
+                   r.model.peek(yako::acceleration_time.address) == 60 &&
+                   r.model.peek(yako::deceleration_time.address) == 40;
+        };
+        CHECK(r.to({12.5_mm, whole}) == arrival_state::reached);
+        CHECK(has_profile());
+        CHECK(r.pulses() == sign * 2500);
+        REQUIRE(r.to({0_mm, {.top = 25_mm_per_s, .acceleration = 10_ms, .deceleration = 10_ms}}) ==
+                arrival_state::reached);
+        CHECK_FALSE(has_profile());
+        CHECK(r.by({-7.5_mm, whole}) == arrival_state::reached);
+        CHECK(has_profile());
+        CHECK(r.pulses() == sign * -1500);
+        constexpr axis_profile early{
+            .top = 5_mm_per_s, .acceleration = 60_ms, .deceleration = 40_ms, .start = 5.1_mm_per_s};
+        CHECK(r.drive.begin(travel_to{0_mm, early}) == errc::bad_argument);
+        for (const int way : {1, -1}) {
+            const std::int64_t from = r.pulses();
+            const micrometres_per_second speed = way == 1 ? 20_mm_per_s : -20_mm_per_s;
+            for (int i = 0; i < 10; ++i) {
+                REQUIRE(r.drive.begin(servobus::hold_at{speed, milliseconds(50)}) == errc::ok);
+                r.loop(50);
+            }
+            CHECK((r.pulses() - from) * sign * way > 1000); // 5 mm
+            REQUIRE(r.drive.run(halt{}));
+        }
+    }
+}
+
 TEST_CASE("G42: ways that are no whole number of pulses do not drift; what did not begin leaves no trace") {
     ready<closed> r{third};
     for (int i = 1; i <= 300; ++i) {

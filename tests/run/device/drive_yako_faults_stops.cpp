@@ -27,6 +27,14 @@ using enabled_yako::take_homed;
 using simulated::closed_axis;
 using simulated::run_with_a_loss;
 
+namespace {
+
+void step_for(closed_axis& a, std::uint32_t ms) {
+    for (const std::uint64_t end = a.wire.time_us() + ms * 1000u; a.wire.time_us() < end;) a.turn();
+}
+
+} // namespace
+
 TEST_CASE("G25: a stop during any command is the next frame after the one in progress, and the axis stops") {
     const auto check = [](const auto& wanted, bool is_quick) {
         for (std::size_t frames = 0; frames < 14; ++frames) {
@@ -149,6 +157,32 @@ TEST_CASE("G26: a stop succeeds after the late response to a start, and the stat
     REQUIRE(run_with_a_loss(a, halt{}, 0, true));
     CHECK(a.drive.last());
     CHECK_FALSE(a.is_moving());
+}
+
+TEST_CASE("G26: a stop that gets no response is repeated once in each period, not all the time") {
+    closed_axis a;
+    take(a);
+    a.drive.repeat_stops(milliseconds(2000));
+    a.wire.faults().lost_response = 1000;
+    CHECK_FALSE(a.drive.run(halt{}));
+    step_for(a, 3000); // the first repetition
+    const std::size_t before = a.requests.size();
+    step_for(a, 20'000);
+    CHECK(a.requests.size() - before >= 9);
+    CHECK(a.requests.size() - before <= 11 * 4); // a stop that is tried three times, and a read
+}
+
+TEST_CASE("G26: a release that is open is repeated as a release, also after a halt that got no response") {
+    closed_axis a;
+    take(a);
+    a.drive.repeat_stops(milliseconds(500));
+    a.wire.faults().lost_request = 1000;
+    CHECK_FALSE(a.drive.run(disable{}));
+    CHECK_FALSE(a.drive.run(halt{}));
+    REQUIRE(a.model.enabled());
+    a.wire.faults() = {};
+    step_for(a, 5000);
+    CHECK_FALSE(a.model.enabled());
 }
 
 TEST_CASE("G20, S4: the command timeout also stops an axis whose cached state is invalid") {

@@ -66,6 +66,21 @@ TEST_CASE("4.1: a command waits for a move in reverse that begins late") {
     CHECK(a.place() == -1000);
 }
 
+TEST_CASE_TEMPLATE("4.1: a wait for standstill shows an alarm, which frees the motor", A, closed_axis,
+                   open_axis) {
+    A a;
+    take(a);
+    REQUIRE(a.drive.run(velocity{60 * r_per_min}));
+    a.run(500);
+    REQUIRE(a.is_moving());
+    a.model.raise_alarm(1);
+    const routine_status seen = a.drive.run(wait_standstill{});
+    CHECK(seen.error() == errc::faulted);
+    CHECK(seen.register_address() == status_word.address); // the alarm is there
+    CHECK(a.model.alarm() == 1);
+    CHECK_FALSE(a.model.enabled());
+}
+
 TEST_CASE("4.3: a homing does not count as done while the drive still reports the previous one") {
     closed_axis a{{.start_delay = milliseconds(150)}};
     a.model.attach(simulated::yako_slide());

@@ -133,6 +133,82 @@ TEST_CASE("3.3: torque is set for both wheels or one with the manual's frames; a
     CHECK(r.model.stands_still());
 }
 
+TEST_CASE("3.3: a halt in torque mode zeroes the torques and reads them back; a speed is neither written nor "
+          "read") {
+    rig r;
+    be_enabled_in(r, operating_mode::torque);
+    REQUIRE(r.drive.run(torque{3 * ampere, 3 * ampere}));
+    REQUIRE(r.live(milliseconds(1000)));
+    REQUIRE_FALSE(r.model.stands_still());
+    r.log.frames.clear();
+    REQUIRE(r.drive.run(halt{}));
+    REQUIRE_FALSE(r.log.frames.empty());
+    CHECK(same_bytes(r.log.frames[0], modbus::write_frame(1, 0x2090, std::array<std::uint16_t, 2>{0, 0})));
+    CHECK(r.sent(modbus::read_frame(1, 0x2090, 2)) == 1);
+    CHECK(r.model.stands_still());
+    CHECK(r.model.enabled());
+    CHECK(r.model.peek(0x2090) == 0);
+    CHECK(r.model.peek(0x2091) == 0);
+    for (const simulated::frame& f : r.log.frames) CHECK((f[2] != 0x20 || f[3] < 0x88 || f[3] > 0x8D));
+}
+
+TEST_CASE("3.3: torque mode: each command of another mode is refused, and each stop ends the torque") {
+    const auto turns = [](rig& r) {
+        be_enabled_in(r, operating_mode::torque);
+        REQUIRE(r.drive.run(torque{3 * ampere, 3 * ampere}));
+        REQUIRE(r.live(milliseconds(1000)));
+        REQUIRE_FALSE(r.model.stands_still());
+    };
+    SUBCASE("commands of other modes") {
+        rig r;
+        turns(r);
+        const std::size_t before = r.log.frames.size();
+        CHECK(r.drive.begin(velocity{30 * r_per_min, 30 * r_per_min}) == errc::wrong_state);
+        CHECK(r.drive.begin(left_velocity{30 * r_per_min}) == errc::wrong_state);
+        CHECK(r.drive.begin(right_velocity{30 * r_per_min}) == errc::wrong_state);
+        CHECK(r.drive.begin(move_by{1000 * pulse, 1000 * pulse}) == errc::wrong_state);
+        CHECK(r.log.frames.size() == before);
+        CHECK(r.drive.run(enable_in{operating_mode::velocity}).error() ==
+              errc::busy); // the mode is not changed
+        CHECK(r.model.mode() == operating_mode::torque);
+        REQUIRE(r.drive.run(left_torque{0 * ampere}));
+        CHECK(r.model.peek(0x2090) == 0);
+        CHECK(r.model.peek(0x2091) != 0);
+    }
+    SUBCASE("quick stop") {
+        rig r;
+        turns(r);
+        REQUIRE(r.drive.run(quick_stop{}));
+        CHECK(r.model.stands_still());
+        CHECK(r.drive.begin(torque{1 * ampere, 1 * ampere}) == errc::wrong_state);
+    }
+    SUBCASE("disable") {
+        rig r;
+        turns(r);
+        REQUIRE(r.drive.run(disable{}));
+        CHECK(r.model.stands_still());
+        CHECK_FALSE(r.model.enabled());
+        REQUIRE(r.drive.run(enable_in{operating_mode::torque})); // S2: with zero torques
+        CHECK(r.model.peek(0x2090) == 0);
+        CHECK(r.model.peek(0x2091) == 0);
+        REQUIRE(r.live(milliseconds(500)));
+        CHECK(r.model.stands_still());
+    }
+    SUBCASE("command timeout") {
+        rig r;
+        turns(r);
+        r.drive.set_command_timeout(milliseconds(300));
+        REQUIRE(r.drive.run(torque{3 * ampere, 3 * ampere}));
+        for (const std::uint64_t end = r.wire.time_us() + 3'000'000; r.wire.time_us() < end;) {
+            (void)r.drive.step();
+            r.wire.pass(microseconds(500));
+        }
+        CHECK(r.model.peek(0x2090) == 0);
+        CHECK(r.model.peek(0x2091) == 0);
+        CHECK(r.model.stands_still());
+    }
+}
+
 TEST_CASE("3.4: a quick stop holds both wheels until the next enable") {
     rig r;
     be_enabled_in(r, operating_mode::velocity);

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Adapters that receive what they send. G3: a line that only echoes never reports a success, whatever the
-// echo setting. G4: a line with echo handling removes exactly what it sent, and reports what is wrong with an
+// Adapters that receive what they send, also those that do so only while no drive responds. G3: a line that only echoes
+// never reports a success, whatever the echo setting. G4: a line with echo handling removes exactly what it sent, and reports what is wrong with an
 // echo.
 #include <doctest/doctest.h>
 
@@ -13,7 +13,10 @@
 #include <servobus/device/c630s/drive.hpp>
 #include <servobus/device/yako/drive.hpp>
 #include <servobus/device/zlac8015d/drive.hpp>
+#include <servobus/line/blocking_line.hpp>
 #include <servobus/sim/line.hpp>
+#include <servobus/sim/station.hpp>
+#include <servobus/sim/zlac8015d.hpp>
 
 #include <tests/support/scripted_port.hpp>
 
@@ -53,6 +56,38 @@ template <class Echo = unechoed, class Port = waiting_scripted_port> struct rig 
         port.device = [this](scripted_port& p, const tests::sent_frame& f) { file(p, f); };
     }
 };
+
+// An adapter that returns each request that no node responds to, and two nodes.
+template <class Line> struct returning_rig {
+    waiting_scripted_port port;
+    tests::register_file file;
+    bool is_1_there = true;
+    bool is_2_there = true;
+    Line on;
+    client<Line, device> drive{on, node<device>{1}};
+    client<Line, device> other{on, node<device>{2}};
+
+    returning_rig() requires(Line::is_small) : on{port} { begin(); }
+    returning_rig() requires(!Line::is_small) : on{port, modbus::timing_at(115200)} { begin(); }
+    returning_rig(const returning_rig&) = delete;
+    void begin() {
+        for (const u16 a : {u16{0x0100}, u16{0x0101}}) file.words[a] = 0;
+        port.device = [this](scripted_port& p, const tests::sent_frame& f) {
+            const std::uint8_t to = f.data[0];
+            const bool is_there = (to == 1 && is_1_there) || (to == 2 && is_2_there);
+            p.say(500, is_there ? file.response_to(f.data) : f.data);
+        };
+    }
+    /// The functions of the frames that were sent since the last call.
+    byte_list sent() {
+        byte_list all;
+        for (const tests::sent_frame& f : port.frames) all.push_back(f.data[1]);
+        port.frames.clear();
+        return all;
+    }
+};
+using returning_line = line<waiting_scripted_port>;
+using returning_blocking_line = blocking_line<waiting_scripted_port, modbus::timing_at(115200)>;
 
 // The reads of one register whose own echo, without its last byte, is a well-formed response.
 template <class Found> int echoes_that_look_like_answers(Found&& found) {
@@ -226,6 +261,104 @@ TEST_CASE("G3: the first single write on a line is followed by a read, the other
     CHECK(r.on.is_echo_ruled_out());
     CHECK(r.drive.write<speed>(6));
     CHECK(r.port.frames.size() == 3);
+}
+
+TEST_CASE_TEMPLATE(
+    "G3: after a request without a response a single write counts only after a read, since the adapter may "
+    "return it",
+    Line, returning_line, returning_blocking_line) {
+    returning_rig<Line> r;
+    REQUIRE(r.drive.template read<speed>());
+    REQUIRE(r.drive.template write<speed>(5));
+    CHECK(r.sent() == byte_list{0x03, 0x06});
+    r.is_1_there = r.is_2_there = false;
+    SUBCASE("a read fails") { CHECK_FALSE(r.drive.template read<speed>()); }
+    SUBCASE("a multiple write fails") {
+        const status both = r.drive.template write<speed, other_speed>(5, 6);
+        CHECK(both.outcome() == outcome::unknown);
+    }
+    (void)r.sent();
+    for (int i = 0; i < 2; ++i) {
+        const status stop = r.drive.template write<speed>(0);
+        CHECK(stop.error() == errc::own_echo);
+        CHECK(stop.outcome() == outcome::unknown);
+        CHECK(r.sent() == byte_list{0x06, 0x03}); // the write first: it may be a stop
+    }
+    const std::array<std::uint8_t, 5> loopback{0x08, 0x00, 0x00, 0x12, 0x34};
+    std::array<std::uint8_t, 5> response{};
+    if constexpr (!Line::is_small) CHECK(r.drive.transact(loopback, response).error() == errc::own_echo);
+    (void)r.sent();
+    r.is_1_there = r.is_2_there = true;
+    CHECK(r.drive.template write<speed>(7));
+    CHECK(r.sent() == byte_list{0x06, 0x03});
+    CHECK(r.file.words[0x0100] == 7);
+    CHECK(r.drive.template write<speed>(8));
+    CHECK(r.drive.template write<speed>(9));
+    CHECK(r.sent() == byte_list{0x06, 0x06}); // as on any line
+}
+
+TEST_CASE("G3: a node that responds proves nothing of another one that did not, and has no frame more") {
+    returning_rig<returning_line> r;
+    REQUIRE(r.drive.read<speed>());
+    REQUIRE(r.other.read<speed>());
+    r.is_1_there = false;
+    CHECK_FALSE(r.drive.read<speed>());
+    REQUIRE(r.other.read<speed>());
+    (void)r.sent();
+    CHECK(r.other.write<speed>(3));
+    CHECK(r.sent() == byte_list{0x06});
+    CHECK(r.drive.write<speed>(0).error() == errc::own_echo);
+    CHECK(r.sent() == byte_list{0x06, 0x03});
+    CHECK(r.other.write<speed>(4));
+    CHECK(r.sent() == byte_list{0x06});
+}
+
+TEST_CASE("G3: a node that did not respond before another one did is not proved by it") {
+    returning_rig<returning_line> r;
+    r.is_1_there = false;
+    CHECK_FALSE(r.drive.read<speed>());
+    REQUIRE(r.other.read<speed>());
+    CHECK(r.drive.write<speed>(0).error() == errc::own_echo);
+}
+
+TEST_CASE(
+    "G3: of nodes that all respond no single write but the first one on the line is followed by a read") {
+    returning_rig<returning_line> r;
+    CHECK(r.drive.write<speed>(1));
+    CHECK(r.other.write<speed>(1));
+    r.on.begin_epoch(1); // as the write of a switch of the drive does: what was learned of it is stale
+    CHECK(r.drive.write<speed>(2));
+    CHECK(r.other.write<speed>(2));
+    CHECK(r.sent() == byte_list{0x06, 0x03, 0x06, 0x06, 0x06});
+}
+
+TEST_CASE(
+    "G3: a facade does not take returned requests for a stop of its drive, nor does a client beside it") {
+    sim::zlac8015d machine;
+    sim::station station{machine, 1, 115200, milliseconds(1)};
+    sim::line_settings settings;
+    settings.unanswered_return = milliseconds(5);
+    sim::virtual_line wire{settings};
+    wire.attach(station);
+    line on{wire, modbus::timing_at(115200)};
+    zlac8015d::drive wheels{on, node<zlac8015d::device>{1}, unsupervised};
+    client registers{on, node<zlac8015d::device>{1}};
+    REQUIRE(wheels.run(zlac8015d::init{}));
+    REQUIRE(wheels.run(zlac8015d::enable{}));
+    REQUIRE(wheels.run(zlac8015d::velocity{30 * units::r_per_min, 30 * units::r_per_min}));
+    CHECK(wire.returned() == 0);
+    wire.set_connected(0, false);
+    CHECK_FALSE(wheels.run(zlac8015d::quick_stop{}));
+    CHECK(registers.write<zlac8015d::control_word>(zlac8015d::control_code::stop).error() == errc::own_echo);
+    CHECK_FALSE(wheels.run(zlac8015d::left_velocity{0 * units::r_per_min}));
+    CHECK_FALSE(wheels.run(halt{}));
+    CHECK(registers.write<zlac8015d::control_word>(zlac8015d::control_code::quick_stop).error() ==
+          errc::own_echo);
+    CHECK_FALSE(wheels.run(disable{}));
+    CHECK(wire.returned() > 8);
+    wire.set_connected(0, true);
+    CHECK(wheels.run(zlac8015d::init{}));
+    CHECK(registers.write<zlac8015d::control_word>(zlac8015d::control_code::stop));
 }
 
 TEST_CASE("G4: the echo is removed and nothing else, however it arrives") {

@@ -125,7 +125,7 @@ struct plain_line {
 
     plain_line() { file.words = {{0x10, 1}, {0x11, 1}, {0x12, 1}, {0x13, 1}, {0x40, 1}}; }
     const modbus::rtu_timing& timing() const { return times; }
-    bool is_echo_ruled_out() const { return all.size() > 1; }
+    bool is_echo_ruled_out(std::uint8_t) const { return all.size() > 1; }
     static bool is_free() { return true; }
     static servobus::epoch epoch(std::uint8_t) { return {}; }
     void run(modbus::basic_exchange<other_engine>& x, bus_gaps) {

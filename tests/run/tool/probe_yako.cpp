@@ -235,15 +235,20 @@ TEST_CASE("a line that is lost at any request ends the probe of a stepper, which
         const sim::yako_options chosen = tool::options_of(tool::yako_switches, ways);
         bench<sim::yako_closed_loop> whole{chosen};
         const std::vector<std::uint16_t> before = words_of(whole.model);
-        (void)probed(whole);
+        const auto settled = [](const findings& of) {
+            std::size_t n = 0;
+            for (std::size_t i = 0; i < of.all().size(); ++i) n += of.way(i) ? 1u : 0u;
+            return n;
+        };
+        const std::size_t most = settled(probed(whole));
         CHECK(whole.power_cycles == (way_of("kept", ways) == "written" ? 1 : 3));
-        std::uint32_t failed = 0;
+        std::uint32_t failed = 0; // probes that have found less
         for (std::uint32_t n = 0; n < whole.requests; n += n < 40 || n + 40 > whole.requests ? 1 : 11) {
             CAPTURE(n);
             bench<sim::yako_closed_loop> on{chosen};
             on.lost_after = n;
             const findings found = probed(on);
-            ++failed;
+            failed += settled(found) < most ? 1u : 0u;
             CHECK_FALSE(on.model.view().is_moving);
             CHECK(is_released(on.model));
             CHECK(words_of(on.model) == before);
@@ -254,7 +259,7 @@ TEST_CASE("a line that is lost at any request ends the probe of a stepper, which
                 if (found.way(i)) CHECK(*found.way(i) == ways[i]);
             }
         }
-        CHECK(failed > 80);
+        CHECK(failed > 60);
     }
 }
 

@@ -253,7 +253,8 @@ template <const auto& Plan, class Line, class... Drives> class cyclic_reads {
         state& s = states_[reading_];
         s.why = exchange_.status();
         if constexpr (Plan.has_other_tables) {
-            if (s.why.error() == errc::ok && !exchange_.differs_from_request() && !line_->is_echo_ruled_out())
+            if (s.why.error() == errc::ok && !exchange_.differs_from_request() &&
+                !line_->is_echo_ruled_out(request_[0]))
                 s.why = status::sent(errc::own_echo);
             if (s.why.error() == errc::ok && !has_zero_padding())
                 s.why = status::sent(errc::unexpected_value);

@@ -139,7 +139,7 @@ template <class Link> class stepped_request {
         }
         return 2 * words;
     }
-    constexpr bool is_echo_ruled_out() const { return link_->line().is_echo_ruled_out(); }
+    constexpr bool is_echo_ruled_out() const { return link_->line().is_echo_ruled_out(node().address); }
     constexpr word_order current_order() { return link_->current_word_order(); }
     constexpr errc order_known_if(bool matters) {
         return matters && current_order() == word_order::unknown ? errc::needs_word_order : errc::ok;
@@ -208,7 +208,7 @@ template <class Link> class stepped_request {
         const bool repeats = What == call_of::both     ? !exchange_.differs_from_request()
                              : What == call_of::masked ? true
                                                        : code_ == (What == call_of::tables ? 0x05 : 0x06);
-        if (machine_.goes_on(why, node(), repeats, link_->line().is_echo_ruled_out()))
+        if (machine_.goes_on(why, node(), repeats, link_->line().is_echo_ruled_out(node().address)))
             make_request<What>(frame);
         else
             end(why);
@@ -240,8 +240,8 @@ template <class Link> class stepped_request {
         if (!node().is_valid()) return refused(errc::bad_argument);
         if (const errc why = link_->refusal(on); why != errc::ok) return refused(why);
         condition_ = on;
-        return begin(request_machine::write(asks_first && !link_->line().is_echo_ruled_out()), frame, size,
-                     load_word(bytes{frame, size}, 2), frame[1]);
+        return begin(request_machine::write(asks_first && !link_->line().is_echo_ruled_out(node().address)),
+                     frame, size, load_word(bytes{frame, size}, 2), frame[1]);
     }
     // Makes the exchange of the request that is next. A response takes the memory of its request.
     template <call_of What> constexpr void make_request(std::uint8_t* at) {

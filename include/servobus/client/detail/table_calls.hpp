@@ -78,7 +78,7 @@ template <class Line, device_class Device, class Node> struct table_calls<client
                 why = read_part(of, part, frame, size);
             if (why.error() != errc::ok) break;
             if constexpr (plan.has_echo_like_response) {
-                if (part.is_repeated_by(frame) && !of.line_->is_echo_ruled_out()) {
+                if (part.is_repeated_by(frame) && !of.line_->is_echo_ruled_out(of.node_.address)) {
                     why = status::sent(errc::own_echo);
                     break;
                 }
@@ -146,7 +146,8 @@ template <class Line, device_class Device, class Node> struct table_calls<client
             if constexpr (own::link_type::template are_cached<Ws...>) (void)of.changed(why);
         }
         if constexpr (plan::has_echo_like_response) {
-            if (why.error() == errc::ok && !of.line_->is_echo_ruled_out() && same_bytes(response, request))
+            if (why.error() == errc::ok && !of.line_->is_echo_ruled_out(of.node_.address) &&
+                same_bytes(response, request))
                 why = status::sent(errc::own_echo);
         }
         if (why.error() == errc::ok) {
@@ -243,7 +244,7 @@ template <class Line, device_class Device, class Node> struct table_calls<client
     template <modbus::function Asks>
     static constexpr status rules_out_echo(own& of, status why, u16 address) {
         request_machine call = request_machine::write();
-        const bool goes_on = call.goes_on(why, of.node_, true, of.line_->is_echo_ruled_out());
+        const bool goes_on = call.goes_on(why, of.node_, true, of.line_->is_echo_ruled_out(of.node_.address));
         return goes_on ? status::sent(of.template ask<false, Asks>(address)) : why;
     }
 };

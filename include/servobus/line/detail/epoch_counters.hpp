@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSL-1.0
 //
 // What a line counts for `epoch`: requests without a valid response, losses of its port, and writes of settings that a
-// facade caches.
+// facade caches. A counter also holds whether a response of its nodes may be an echo since the last miss.
 #pragma once
 
 #include <cstddef>
@@ -12,16 +12,33 @@
 
 namespace servobus::detail {
 
-// Nodes share `Counters` counters of 8 bits. One that wraps advances the next wider one, so that no epoch
-// comes back before 2^16 misses.
+// Nodes share `Counters` counters of 7 bits, and a bit beside each. One that wraps advances the next wider one, so that no epoch
+// comes back before 2^15 misses.
 template <std::size_t Counters> class epoch_counters {
   public:
     [[gnu::always_inline]] constexpr epoch of(std::uint8_t node_address) const {
         const std::uint8_t of_node = of_node_[node_address % Counters];
-        return {static_cast<std::uint16_t>(of_all_ << 8 | of_node), losses_};
+        return {static_cast<std::uint16_t>(of_all_ << 8 | of_node >> 1), losses_};
     }
+    /// Begins an epoch of a node that responds.
+    constexpr void begin(std::uint8_t node_address) { advance(of_node_[node_address % Counters]); }
     constexpr void count_miss(std::uint8_t node_address) {
-        if (++of_node_[node_address % Counters] == 0) count_miss_of_all();
+        std::uint8_t& of_node = of_node_[node_address % Counters];
+        of_node = static_cast<std::uint8_t>(of_node | suspect);
+        advance(of_node);
+    }
+    /// True from a miss on until `clear_suspicion`.
+    constexpr bool is_suspect(std::uint8_t node_address) const {
+        return (of_node_[node_address % Counters] & suspect) != 0;
+    }
+    constexpr bool is_any_suspect() const {
+        unsigned all = 0;
+        for (const std::uint8_t of_node : of_node_) all |= of_node;
+        return (all & suspect) != 0;
+    }
+    constexpr void clear_suspicion(std::uint8_t node_address) {
+        std::uint8_t& of_node = of_node_[node_address % Counters];
+        of_node = static_cast<std::uint8_t>(of_node & ~suspect);
     }
     constexpr void count_miss_of_all() {
         if (++of_all_ == 0) ++losses_;
@@ -34,6 +51,12 @@ template <std::size_t Counters> class epoch_counters {
     constexpr void count_change() { losses_ = static_cast<std::uint8_t>(losses_ + epoch::change); }
 
   private:
+    static constexpr unsigned suspect = 1; // the bit of a counter that no epoch has
+    static constexpr unsigned miss = 2;
+    constexpr void advance(std::uint8_t& of_node) {
+        of_node = static_cast<std::uint8_t>(of_node + miss);
+        if (of_node < miss) count_miss_of_all();
+    }
     std::uint8_t losses_ = 0;
     std::uint8_t of_all_ = 0;
     std::uint8_t of_node_[Counters]{};
