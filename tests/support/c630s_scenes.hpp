@@ -175,6 +175,9 @@ inline bool only_stop(const std::vector<frame>& requests, std::size_t first) {
     const std::uint8_t node_address = requests[0][0];
     for (std::size_t i = first; i < requests.size(); ++i) {
         const frame& f = requests[i];
+        // P0C-13 = 0, after a stop: those that follow are not kept in the EEPROM.
+        if (i != first && same_bytes(f, modbus::write_frame(node_address, eeprom_update.address, u16{0})))
+            continue;
         if (modbus::is_write(f[1]) && !same_bytes(f, modbus::write_frame(node_address, p31, u16{0})) &&
             !same_bytes(f, modbus::write_frame(node_address, p31, terminal::marker)) &&
             !same_bytes(f, modbus::write_frame(node_address, emergency_stop.address, u16{1})) &&

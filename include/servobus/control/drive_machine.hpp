@@ -95,7 +95,7 @@ template <class Model, class Exchange> class drive_machine : public detail::comm
         case flight::witness: conclude_witness(got, now); break;
         case flight::drained_write:
             if (!got.has_response()) known_.invalidate();
-            if constexpr (base::runs_without_line) known_.set_may_move(true); // perhaps its routine moves
+            this->unwatched_.note_sent(); // perhaps its routine moves
             break;
         case flight::drained:
         case flight::step_read:
@@ -113,7 +113,7 @@ template <class Model, class Exchange> class drive_machine : public detail::comm
     constexpr detail::routine_run& run() { return slot_.run(); }
     constexpr void note_sent_motion() {
         const bool is_motion = detail::is_motion(slot_.kind()) || Model::kinds.moves(slot_.command().then);
-        if (is_motion && this->is_write() && exchange_.was_sent()) known_.set_may_move(true);
+        if (is_motion && this->is_write() && exchange_.was_sent()) this->unwatched_.note_sent();
     }
     constexpr bool is_urgent() const { return slot_.run().is_urgent(); }
 

@@ -134,7 +134,7 @@ TEST_CASE("G43: a gap in which the path bends both ways is within 1 mm of the wh
 // Plays the first command after a restart of a turning drive, at any moment of the feedback and of a blocked program.
 template <class Command> void restart_and(const Command& first, unsigned& continuous, unsigned& all) {
     sim::dice random{11};
-    for (int i = 0; i < 300; ++i) {
+    for (int i = 0; i < 500; ++i) {
         CAPTURE(i);
         using reading = sim::zlac8015d_options::running;
         sim::zlac8015d_options options;
@@ -144,7 +144,8 @@ template <class Command> void restart_and(const Command& first, unsigned& contin
         const twist by = twists[random.below(8)];
         r.live(milliseconds(random.below(500)));
         (void)r.robot.begin(by);
-        r.live(milliseconds(10 + random.below(400)));
+        // Half of them in the first ramp, when no feedback has shown a motion yet
+        r.live(milliseconds(random.below(2) == 0 ? 30 + random.below(60) : 10 + random.below(400)));
         const bool is_blocked = random.below(2) == 0;
         if (is_blocked) r.wait(milliseconds(random.below(300)));
         r.drive.power_cycle();
@@ -226,6 +227,102 @@ TEST_CASE("G39: a restart of a robot's drive that is disabled shows, wherever it
         r.live(milliseconds(600));
         CHECK(r.robot.state() == drive_state::needs_init);
         CHECK_FALSE(r.robot.pose().is_continuous);
+    }
+}
+
+TEST_CASE("G43: wheels that were faster and slower in a gap, and have their speeds again, leave a pose that "
+          "is honest") {
+    unsigned all = 0, continuous = 0;
+    for (const std::int32_t turn : {0, 600, 1500}) {
+        for (const std::int32_t ramp : {20, 60}) {
+            for (const std::uint32_t part : {20u, 40u, 60u}) {
+                CAPTURE(turn);
+                CAPTURE(ramp);
+                CAPTURE(part);
+                rig r{true, milliseconds(400)}; // the period is the gap
+                REQUIRE(r.robot.run(zlac8015d::ramps{zlac8015d::time{ramp}, zlac8015d::time{ramp}}));
+                const twist straight{700_mm_per_s, 0_rad_per_s};
+                const auto bent = [&](int sign) {
+                    return twist{.speed = straight.speed, .turn = decltype(twist::turn){sign * turn * 1000}};
+                };
+                r.go(straight, 1210);
+                for (unsigned i = 0; r.wire.clock().us - r.robot.pose().time.us > 20'000; ++i) {
+                    REQUIRE(i < 1000);
+                    r.live(milliseconds(1));
+                }
+                robots::tell(r, r.drive.given().back().at);
+                REQUIRE(r.off() < 1);
+                for (const int sign : {1, -1, -1, 1, 0}) {
+                    (void)r.robot.begin(bent(sign));
+                    r.live(milliseconds(part));
+                }
+                r.live(milliseconds(900));
+                const plane_pose p = r.robot.pose();
+                ++all;
+                continuous += p.is_continuous;
+                CHECK((!p.is_continuous || r.off() < 1));
+            }
+        }
+    }
+    MESSAGE(continuous, " of ", all, " are continuous");
+    CHECK(continuous < all);
+}
+
+TEST_CASE("G43: a way that its speeds contradict, as of a response that is late by several requests, ends "
+          "the pose") {
+    using model = zlac8015d::robot_model;
+    const auto pose_after = [](std::int32_t moved) {
+        model m;
+        m.set_base(base);
+        zlac8015d::cached_settings known{};
+        known.state = drive_state::enabled;
+        const auto note = [&](std::int32_t at, std::uint32_t us) {
+            std::uint16_t words[image_block<model>.words]{};
+            const auto put = [&](std::size_t place, std::int32_t position) {
+                words[place] = static_cast<std::uint16_t>(static_cast<std::uint32_t>(position) >> 16);
+                words[place + 1] = static_cast<std::uint16_t>(position);
+            };
+            put(model::image::place_of<zlac8015d::left_actual_position>, at);
+            put(model::image::place_of<zlac8015d::right_actual_position>, -at);
+            words[model::image::place_of<zlac8015d::left_actual_speed>] = 600;
+            words[model::image::place_of<zlac8015d::right_actual_speed>] = static_cast<std::uint16_t>(-600);
+            m.note({.block = 0, .words = words, .taken = instant{us}, .epoch = 7}, known);
+        };
+        note(5000, 20'000);
+        note(5082, 40'000); // 60 r/min are 82 counts in 20 ms
+        note(5082 + moved, 60'000);
+        return m.pose().is_continuous;
+    };
+    CHECK(pose_after(82));
+    CHECK(pose_after(82 + 12));
+    CHECK(pose_after(82 - 12));
+    CHECK_FALSE(pose_after(82 + 20));
+    CHECK_FALSE(pose_after(82 - 20));
+    CHECK_FALSE(pose_after(-600)); // of 150 ms ago
+}
+
+TEST_CASE("an enable in another mode, and one that loses a response, is no restart of a robot's drive") {
+    for (std::uint32_t phase = 0; phase < 600; phase += 20) {
+        CAPTURE(phase);
+        rig r{false, milliseconds(20)};
+        REQUIRE(r.robot.run(disable{}));
+        r.live(milliseconds(phase));
+        CHECK(r.robot.run(zlac8015d::enable_in{zlac8015d::operating_mode::torque}));
+        REQUIRE(r.robot.run(disable{}));
+        r.live(milliseconds(phase));
+        CHECK(r.robot.run(enable{}));
+        CHECK(r.robot.pose().is_continuous);
+        // A read of the routine is repeated: the witness would be due in the middle of it.
+        REQUIRE(r.robot.run(disable{}));
+        REQUIRE(r.robot.begin(zlac8015d::enable_in{zlac8015d::operating_mode::torque}) == errc::ok);
+        const std::uint32_t begun = r.wire.requests();
+        for (unsigned i = 0; !r.robot.is_idle(); ++i) {
+            REQUIRE(i < 100'000);
+            r.wire.faults().lost_response = r.wire.requests() - begun == 10 ? 1000 : 0;
+            (void)r.robot.step();
+            r.wire.pass(microseconds(50));
+        }
+        CHECK((r.robot.last() || r.robot.last().error() == errc::timeout));
     }
 }
 

@@ -12,6 +12,7 @@
 #include <servobus/control/detail/command_slot.hpp>
 #include <servobus/control/detail/drive_frame.hpp>
 #include <servobus/control/detail/knowledge.hpp>
+#include <servobus/control/detail/unwatched_motion.hpp>
 #include <servobus/control/states.hpp>
 #include <servobus/control/supervised_node.hpp>
 #include <servobus/control/supervision.hpp>
@@ -50,7 +51,7 @@ template <class Model, class Exchange> class command_life {
             drop_target(next, refusal);
             return refusal;
         }
-        if (leaves_unknown()) {
+        if (!slot_.is_idle() && leaves_unknown()) {
             known_.invalidate();
             // The frames of a stop follow from what is known.
             if (next.stop != stop_priority::no_stop)
@@ -182,11 +183,12 @@ template <class Model, class Exchange> class command_life {
     command_slot<Model> slot_;
     response_limits limits_;
     bus_gaps gaps_;
+    [[no_unique_address]] unwatched_motion<!runs_without_line> unwatched_{};
     std::uint8_t request_[24]{known_.address()};
     std::uint8_t response_[held_feedback::room(image_block<Model>.words)]{};
 
   private:
-    constexpr errc refusal_of(const prepared_command& next) const {
+    [[gnu::always_inline]] constexpr errc refusal_of(const prepared_command& next) const {
         const bool is_refused = is_refused_ && next.stop == stop_priority::no_stop;
         if (address() == 0 || is_refused) return errc::bad_argument;
         if (next.refusal != errc::ok)
@@ -203,29 +205,21 @@ template <class Model, class Exchange> class command_life {
         if (why == errc::ok || why == errc::busy || Model::kinds[c.then] != command_kind::move) return;
         known_.model().preempt(c);
     }
-    // The port is lost, or came back just now, and the motor may move: a stop is sent as soon as there is a port.
-    constexpr bool is_stop_due_at_port() const {
-        if constexpr (runs_without_line) {
-            return known_.runs_without_port();
-        } else {
-            return false;
-        }
-    }
     // `stops`: a stop, or a take-over, which begins with one. A wait sends no write, and waits for a state.
     constexpr void note_end_of_motion(const routine_status& r, bool stops) {
-        if (stops && r.outcome() != outcome::not_sent) known_.note_stop_sent();
+        if (stops && r.outcome() != outcome::not_sent) unwatched_.note_stop_sent();
         bool is_at_rest = stops;
         for (const step& s : slot_.command().steps) {
             const bool is_wait = s.what == step::kind::until || s.what == step::kind::confirm;
             is_at_rest =
                 is_at_rest || (is_wait && !slot_.run().has_written() && slot_.kind() == command_kind::other);
         }
-        if (r && is_at_rest) known_.set_may_move(false);
+        if (r && is_at_rest) unwatched_.note_rest();
     }
     // True if the command under way may have changed a setting already.
     constexpr bool leaves_unknown() const {
         const bool is_writing = frame_.is_step_sent(exchange_) && is_write();
-        return !slot_.is_idle() && slot_.changes_settings() && (slot_.run().has_written() || is_writing);
+        return slot_.changes_settings() && (slot_.run().has_written() || is_writing);
     }
     [[gnu::always_inline]] constexpr errc take(prepared_command& next, instant now) {
         const duration lost = limits_.response + gaps_.quarantine;
@@ -286,9 +280,7 @@ template <class Model, class Exchange> class command_life {
         if (is_lost) {
             if (!slot_.is_stopping()) give_up(why, now);
             known_.invalidate();
-            if constexpr (runs_without_line) {
-                if (why == errc::port_lost) known_.note_lost_port();
-            }
+            if (why == errc::port_lost) unwatched_.note_lost_port();
         }
         if (!link.is_expired()) {
             if (!link.is_overdue(now)) return is_lost;
@@ -303,15 +295,22 @@ template <class Model, class Exchange> class command_life {
     constexpr bool supervise(instant now) {
         known_.polling().note_age(now);
         const auto& supervisors = slot_.supervisors();
-        if (slot_.is_idle() && (supervisors.is_stop_due(now) || is_stop_due_at_port())) {
-            const bool is_again = supervisors.is_stop_open();
+        if (supervisors.is_stop_due(now) && slot_.is_idle()) {
             slot_.begin_tries();
-            stop(is_again ? supervisors.open_stop() : stop_priority::halt, owner::supervisor,
-                 is_again ? supervisors.urgent_left() : steps::urgent_frames, now);
+            stop(supervisors.open_stop(), owner::supervisor, supervisors.urgent_left(), now);
             return true;
         }
+        if constexpr (runs_without_line) {
+            if (unwatched_.runs_without_port() && slot_.is_idle()) {
+                const bool is_open = supervisors.is_stop_open();
+                slot_.begin_tries();
+                stop(is_open ? supervisors.open_stop() : stop_priority::halt, owner::supervisor,
+                     steps::urgent_frames, now);
+                return true;
+            }
+        }
         if (!slot_.has_run_out(now)) return false;
-        if (leaves_unknown()) known_.invalidate();
+        if (!slot_.is_idle() && leaves_unknown()) known_.invalidate();
         stop(stop_priority::halt, owner::supervisor, slot_.give_up_to_supervisor(), now);
         return true;
     }

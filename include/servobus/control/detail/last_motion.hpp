@@ -28,14 +28,6 @@ class last_motion {
         return is_image_of_motion_ && !went_back(moved_at_, taken) ? since(moved_at_, taken) : duration{};
     }
 
-    /// True from a motion's first frame until a stop, or a wait for a standstill, is done.
-    constexpr bool may_move() const { return may_move_; }
-    constexpr void set_may_move(bool may) { may_move_ = may; }
-    /// True from a loss of the port while the motor may move, until a stop has left.
-    constexpr bool runs_without_port() const { return runs_without_port_; }
-    constexpr void note_lost_port() { runs_without_port_ = may_move_; }
-    constexpr void note_stop_sent() { runs_without_port_ = false; }
-
   protected:
     constexpr void note_image(instant now) {
         is_image_of_motion_ = true;
@@ -47,8 +39,6 @@ class last_motion {
 
     instant moved_at_{}; // when the last motion command ended
     stop_cause cause_ = stop_cause::unknown;
-    bool may_move_ = false;
-    bool runs_without_port_ = false;
     bool is_image_of_motion_ = false; // the image was read after the last motion command
 };
 

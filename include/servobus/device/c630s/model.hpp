@@ -269,7 +269,8 @@ class model {
         const bool must_stop =
             is_restart || is_cut || (is_energised && c.stop == stop_priority::no_stop) || is_homing;
         const bool is_unknown = is_cut || r.error() == errc::needs_init;
-        if (must_stop && is_answer) c = detail::stop_by_all_means(is_unknown ? unknown : known);
+        if (must_stop && is_answer)
+            c = is_unknown ? detail::stop_sparing() : detail::stop_by_all_means(known);
         if (set_up_.leaves_keeping(was, failed, r)) c = {.steps = routines::give_up_keeping};
         if (set_up_.is_part(was) || was == effect::forgotten) known = unknown;
     }

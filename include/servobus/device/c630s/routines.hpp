@@ -94,16 +94,16 @@ template <std::size_t... N> constexpr auto joined(const step (&... parts)[N]) {
     return table;
 }
 
-/// Sent whether or not anything responds: what follows wears nothing if both arrive.
+/// Sent and repeated whether or not anything responds: what follows wears nothing if both arrive.
 inline constexpr step spare_first[] = {steps::repeatable(steps::write<eeprom_update>(off_on::off))};
-/// The motor may still run from a program that crashed: zero targets, servo off. The EEPROM is spared before
-/// the wait, so that trying again wears nothing. Then what the facade must know is read. Nothing moves and
+/// The motor may still run from a program that crashed: zero targets, servo off. The EEPROM is spared after them and repeated
+/// with them, so that a second round wears nothing. Then what the facade must know is read. Nothing moves and
 /// nothing is enabled.
 inline constexpr step init[] = {
     stop_by_targets,
     servo_off,
     zero_torque,
-    steps::write<eeprom_update>(off_on::off),
+    spare_first[0],
     steps::expect<eeprom_update>(off_on::off),
     until_standstill,
     read_back_inputs,

@@ -1,0 +1,162 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// A drive without a watchdog whose port was lost while its motor moves: the first step with a port stops it. Judged by the
+// frames on the wire and by the simulated motor.
+#include <cstdint>
+#include <vector>
+
+#include <doctest/doctest.h>
+
+#include <servobus/control/setpoint_loop.hpp>
+
+#include <tests/support/driven_c630s.hpp>
+#include <tests/support/driven_yako.hpp>
+#include <tests/support/enabled_c630s.hpp>
+#include <tests/support/enabled_yako.hpp>
+
+namespace port_returns_tests {
+
+using namespace servobus;
+using namespace servobus::units;
+
+namespace {
+
+// Steps the drive for a time. Returns when its first request left, in us after the begin; 0 if none did.
+template <class R> std::uint64_t live(R& r, std::uint32_t ms) {
+    const std::uint64_t begin = r.wire.time_us();
+    const std::size_t before = r.requests.size();
+    std::uint64_t first = 0;
+    while (r.wire.time_us() < begin + std::uint64_t{ms} * 1000u) {
+        const duration idle = r.drive.step();
+        if (first == 0 && r.requests.size() != before) first = r.wire.time_us() - begin;
+        r.wire.wait(idle.us == 0 ? microseconds(10) : idle);
+    }
+    return first;
+}
+
+struct stepper : simulated::closed_axis {
+    bool moves() const { return model.view().is_moving; }
+    void take() { enabled_yako::take(*this); }
+    void begin_motion() { REQUIRE(drive.run(yako::velocity{60 * r_per_min})); }
+    void begin_move() { REQUIRE(drive.run(yako::move_by{20'000 * yako::pulse})); }
+    static bool stops(const std::vector<std::uint8_t>& f) { return same_bytes(f, enabled_yako::stop_frame); }
+};
+struct servo : simulated::driven_c630s {
+    bool moves() const { return !model.stands_still(); }
+    void take() { enabled_c630s::be_enabled_in(*this, c630s::control_mode::speed); }
+    void begin_motion() { REQUIRE(drive.run(c630s::velocity{300 * units::r_per_min})); }
+    // P0D-05, which the drive does not keep in its EEPROM
+    static bool stops(const std::vector<std::uint8_t>& f) {
+        return same_bytes(f, modbus::write_frame(1, c630s::emergency_stop.address, u16{1}));
+    }
+};
+
+} // namespace
+
+TEST_CASE_TEMPLATE("G45: a drive that moves is stopped by the first step that has a port again", S, stepper,
+                   servo) {
+    for (const std::uint32_t lost : {1u, 20u, 300u, 3000u}) {
+        for (const bool is_stepped : {true, false}) {
+            CAPTURE(lost);
+            CAPTURE(is_stepped);
+            S s;
+            s.take();
+            s.begin_motion();
+            (void)live(s, 400);
+            REQUIRE(s.moves());
+            s.wire.unplug();
+            CHECK(s.drive.run(read_feedback{}).error() == errc::port_lost); // a loss that no call meets is none
+            if (is_stepped)
+                CHECK(live(s, lost) == 0);
+            else
+                s.wire.pass(milliseconds(lost));
+            REQUIRE(s.moves());
+            s.wire.plug();
+            const std::size_t before = s.requests.size();
+            const std::uint64_t first = live(s, 100);
+            CHECK(first != 0);
+            CHECK(first <= 6000); // a gap of t3.5 and the frame
+            REQUIRE(s.requests.size() > before);
+            CHECK(S::stops(s.requests[before]));
+            (void)live(s, 1500);
+            CHECK_FALSE(s.moves());
+            CHECK(s.drive.state() == drive_state::needs_init); // nothing moves by itself
+        }
+    }
+}
+
+TEST_CASE_TEMPLATE("G45: a drive that was seen at rest is sent nothing as its port returns", S, stepper,
+                   servo) {
+    S s;
+    s.take();
+    SUBCASE("it was never moved") {}
+    SUBCASE("after a stop") {
+        s.begin_motion();
+        (void)live(s, 200);
+        REQUIRE(s.drive.run(halt{}));
+    }
+    SUBCASE("after a wait") {
+        s.begin_motion();
+        (void)live(s, 200);
+        REQUIRE(s.drive.run(halt{}));
+        s.begin_motion();
+        (void)live(s, 200);
+        REQUIRE(s.drive.run(disable{}));
+    }
+    s.wire.unplug();
+    (void)live(s, 300);
+    (void)s.drive.run(read_feedback{});
+    s.wire.plug();
+    CHECK(live(s, 3000) == 0);
+}
+
+TEST_CASE("G45: a move that a wait has seen at its target is not stopped, one that was not is") {
+    for (const bool waits : {true, false}) {
+        CAPTURE(waits);
+        stepper s;
+        s.take();
+        s.begin_move();
+        if (waits) REQUIRE(s.drive.run(wait_reached{}));
+        s.wire.unplug();
+        (void)s.drive.run(read_feedback{});
+        s.wire.plug();
+        const std::size_t before = s.requests.size();
+        CHECK((live(s, 1000) == 0) == waits);
+        if (!waits) CHECK(stepper::stops(s.requests[before]));
+    }
+}
+
+TEST_CASE("G45: a loop stops its drive within a few ms of the port's return, and takes it over after that") {
+    stepper s;
+    yako::closed_loop::drive<stepper::line_type> polled{s.line, 1};
+    setpoint_loop loop{polled, take_over{disable{}}};
+    const auto turn = [&](std::uint32_t ms) {
+        const std::uint64_t end = s.wire.time_us() + std::uint64_t{ms} * 1000u;
+        while (s.wire.time_us() < end) {
+            (void)loop.step();
+            (void)loop.take_report();
+            s.wire.pass(microseconds(100));
+        }
+    };
+    turn(500);
+    loop.enable();
+    turn(500);
+    REQUIRE(loop.begin(yako::velocity{60 * r_per_min}) == errc::ok);
+    turn(600);
+    REQUIRE(s.moves());
+    s.wire.unplug();
+    turn(730);
+    REQUIRE(s.moves());
+    s.wire.plug();
+    const std::size_t before = s.requests.size();
+    turn(10);
+    REQUIRE(s.requests.size() > before);
+    CHECK(stepper::stops(s.requests[before]));
+    turn(1500);
+    CHECK_FALSE(s.moves());
+    CHECK(loop.is_taken_over());
+    CHECK_FALSE(loop.is_motion_allowed());
+}
+
+} // namespace port_returns_tests
