@@ -23,6 +23,7 @@ constexpr bool is_harmless_twice(const step& s) {
     if (s.what != kind::write || s.slot != step::constant || s.is_element) return false;
     if (s.address == emergency_stop.address) return s.value == 1;
     if (s.address == virtual_input_levels.address && s.value == terminal::marker) return true;
+    if (s.address == eeprom_update.address) return s.value == 0; // keeps no write from then on
     return s.value == 0 && (s.address == target_speed.address || s.address == target_torque.address ||
                             s.address == virtual_input_levels.address);
 }
@@ -92,6 +93,7 @@ static_assert(repeats_only_stops(tables::stop_all_marked) && is_harmless_twice(t
 static_assert(repeats_only_stops(tables::quick_stop_of_marked_segments));
 static_assert(repeats_only_stops(tables::halt_speed) && repeats_only_stops(tables::halt_torque));
 static_assert(repeats_only_stops(tables::halt_jog) && repeats_only_stops(tables::stop_all));
+static_assert(repeats_only_stops(tables::stop_all_sparing) && repeats_only_stops(tables::init_again));
 static_assert(repeats_only_stops(tables::quick_stop) && repeats_only_stops(tables::fault_reset));
 static_assert(repeats_only_stops(tables::velocity) && repeats_only_stops(tables::torque));
 static_assert(repeats_only_stops(tables::start) && repeats_only_stops(tables::jog));

@@ -136,10 +136,10 @@ TEST_CASE_TEMPLATE("G3: the echo of a request that begins with the response is n
 TEST_CASE_TEMPLATE("a response that is the function alone is received by each rule that ends there", Kind,
                    any_open_line, small_open_line, strict_open_line) {
     for (const bool is_small : {false, true}) {
-        meter<Kind> m;
         std::array<std::uint8_t, 16> room{};
         const byte_buffer there = byte_buffer{room}.first(is_small ? 1 : 16);
         for (const length_rule rule : {length_rule::fixed(1), length_rule::until_gap()}) {
+            meter<Kind> m; // of the one before an echo is possible again
             room.fill(0xA5);
             m.answers = reset;
             const result<bytes> alone = m.io.transact(hex("42"), there, rule);
