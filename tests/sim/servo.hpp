@@ -173,8 +173,9 @@ class servo final : public facade_of<servo_participant, servobus::c630s::drive<p
 
     bool is_stop(servobus::bytes frame) const override {
         using namespace servobus::c630s::routines;
-        static constexpr servobus::step stops[] = {stop_by_targets, zero_torque, servo_off, servo_off_marked,
-                                                   stop_at_once};
+        // P0C-13 = 0 goes with them, so that they wear nothing.
+        static constexpr servobus::step stops[] = {stop_by_targets,  zero_torque,  servo_off,
+                                                   servo_off_marked, stop_at_once, spare_first[0]};
         return is_one_of(stops, frame);
     }
     bool is_trigger(servobus::bytes frame) const override {

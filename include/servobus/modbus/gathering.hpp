@@ -101,7 +101,8 @@ template <class Size, class Lengths = fixed_lengths> class gathering {
         if (length_ == 2) return errc::wrong_function;
         if (same == 1) { // an exception: no header to compare
         } else if (has_count(like)) {
-            if (count_ > 2 && response_[2] != length_ - 5) return errc::wrong_byte_count;
+            if (count_ > 2 && response_[2] != length_ - 5)
+                return is_request_so_far() ? errc::own_echo : errc::wrong_byte_count;
         } else if (same + 2u < length_ && (!HasOtherFunctions || like != like_none)) {
             if (same < 4) return errc::wrong_address;
             if (!limits.echoes_byte_count || (HasOtherFunctions && length_ != 8) || same != 5 ||
@@ -109,7 +110,8 @@ template <class Size, class Lengths = fixed_lengths> class gathering {
                 return errc::wrong_quantity;
         }
         if (count_ < length_) return cut;
-        if (crc16<Crc>(bytes{response_, length_}) != 0) return errc::bad_crc;
+        if (crc16<Crc>(bytes{response_, length_}) != 0)
+            return is_request_so_far() ? errc::own_echo : errc::bad_crc;
         if (same == 1) {
             const errc why = error_of_exception(response_[2], limits);
             owner.note_exception(response_[2]);
@@ -129,6 +131,9 @@ template <class Size, class Lengths = fixed_lengths> class gathering {
         owner.end_cleanly();
         return errc::ok;
     }
+
+    // The request came in place of a response that must differ from it.
+    constexpr bool is_request_so_far() const { return same_ >= (count_ < length_ ? count_ : length_); }
 
     // The bytes first, where a short instruction of a small core reaches them.
     Size size_ = 0;   ///< of the request
