@@ -3,6 +3,7 @@
 """A device without a map: coils, inputs and registers, with types, over every kind of port."""
 import struct
 import sys
+import time
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
@@ -141,6 +142,35 @@ def records(tool: Tool):
         tool.out_has("JSON: what is no number is null", '"0x0070":{"value":null}},"errors":{}')
         tool.run(f"watch {port} raw {registers} --count 1 {WAIT}")
         tool.out_has("watch shows them", "coil:0x000C=on, 0x0010=12.5 (0x41480000), 0x0030=-70000 (0xFFFEEE90)")
+
+
+class Storm(Gateway):
+    """Answers on its first connection once, then closes each connection for 1.5 s, as a gateway that has none free."""
+
+    ANSWERS_AGAIN = 1.5
+
+    def __init__(self, device: Device, scheme: str):
+        self.begun = None  # when its first response was sent
+        self.refused = 0
+        super().__init__(device, scheme)
+
+    def talk(self, connection):
+        if self.begun is None:
+            self.closes_after = 1
+            super().talk(connection)
+            self.begun, self.closes_after = time.monotonic(), 0
+        elif time.monotonic() - self.begun < self.ANSWERS_AGAIN:
+            self.refused += 1
+        else:
+            super().talk(connection)
+
+
+@scene("tcp", "mbap")
+def storm(tool: Tool, scheme: str):
+    with Storm(filled(), scheme) as gateway:
+        tool.run(f"read {gateway.name} raw 0 1 2 {WAIT}")
+        tool.check("it was refused", gateway.refused > 0)
+        tool.check("about ten connections a second at first, then fewer", gateway.refused <= 20, str(gateway.refused))
 
 
 @scene()

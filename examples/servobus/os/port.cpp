@@ -221,8 +221,12 @@ std::string any_port::echo_diagnosis(servobus::status why) const {
                                                     : std::string{};
     }
     if (request_.empty() || !contains(came_, request_)) return {};
-    return why == errc::own_echo ? std::string{text(why.error())} + ": try --echo on"
-                                 : "what came is the request's own echo: try --echo on";
+    // The response to these equals its request.
+    const std::uint8_t function = request_.size() > 1 ? request_[1] : std::uint8_t{0};
+    const bool has_equal_response =
+        function == 0x05 || function == 0x06 || function == 0x08 || function == 0x16;
+    return why == errc::own_echo && has_equal_response ? std::string{text(why.error())} + ": try --echo on"
+                                                       : "what came is the request's own echo: try --echo on";
 }
 
 std::string any_port::diagnosis(servobus::status why) const {

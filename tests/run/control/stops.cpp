@@ -316,4 +316,29 @@ TEST_CASE(
     }
 }
 
+TEST_CASE("a model whose stop has no steps ends the command at a fault, and nothing is known of its drive") {
+    static constexpr step take[] = {steps::fetch<status_word>(0)};
+    static constexpr step wait[] = {steps::until_bits<status_word>(1, 1, 1000)};
+    for (const bool is_idle : {false, true}) {
+        CAPTURE(is_idle);
+        rig r;
+        bare::drive<watched_line> polled{r.on, rig::at(), milliseconds(10)};
+        REQUIRE(polled.run(bare::command{.steps = take, .then = command_kind::take_over}));
+        REQUIRE(polled.state() == drive_state::enabled);
+        if (!is_idle) REQUIRE(polled.begin(bare::command{.steps = wait}) == errc::ok);
+        bare::model::stops_by = {.steps = no_steps, .stop = stop_priority::halt};
+        bare::model::judges = [](std::uint16_t) { return verdict::faulted; };
+        for (int i = 0; i < 1000; ++i) {
+            (void)polled.step();
+            r.wire.wait(microseconds(50));
+        }
+        bare::model::judges = [](std::uint16_t) { return verdict::as_expected; };
+        bare::model::stops_by = {.steps = no_steps};
+        CHECK(polled.is_idle());
+        CHECK(polled.state() == drive_state::needs_init);
+        if (!is_idle) CHECK(polled.last().error() == errc::faulted);
+        CHECK(r.registers.written.empty());
+    }
+}
+
 } // namespace stops_tests
