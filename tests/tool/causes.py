@@ -34,8 +34,8 @@ def local_echo(tool: Tool):
             ("read: the echo alone", "read drive zlac8015d:9 bus_voltage --timeout 100 --retries 0",
              f"bus_voltage: {ECHO}"),
             ("read: an echo that is a well-formed response", "read drive raw 0x0212 --baud 115200", f"0x0212: {ECHO}"),
-            ("G3: write: what may be the request's own echo", "write drive zlac8015d left_max_current=13",
-             "left_max_current: unknown, what came may be the request's own echo: try --echo on"),
+            ("G3: write: the request's own echo, as the read after it shows", "write drive zlac8015d left_max_current=13",
+             "left_max_current: unknown, what came is the request's own echo: try --echo on"),
             ("G3: write: nothing is sent after an echo", "write drive zlac8015d node_address=2",
              f"node_address: not sent, {ECHO}"),
         ]:

@@ -137,7 +137,7 @@ def local_echo(tool: Tool):
         tool.says("G4: and read", "read drive zlac8015d bus_voltage --echo on", "bus_voltage=24.00 V")
         tool.says("G4: and written", "write drive zlac8015d left_max_current=12.5 --echo on", "left_max_current=12.5 A")
         tool.exits("G3: an echo acknowledges nothing", "write drive zlac8015d left_max_current=13", 1)
-        tool.err_has("G3: what came may be an echo", "unknown, what came may be the request's own echo")
+        tool.err_has("G3: what came is an echo, as the read after it shows", "unknown, what came is the request's own echo")
 
 
 @scene()

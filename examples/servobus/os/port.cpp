@@ -221,12 +221,11 @@ std::string any_port::echo_diagnosis(servobus::status why) const {
                                                     : std::string{};
     }
     if (request_.empty() || !contains(came_, request_)) return {};
-    // The response to these equals its request.
+    // A response to these equals its request. What came for any other, also for the read after a write, is no response.
     const std::uint8_t function = request_.size() > 1 ? request_[1] : std::uint8_t{0};
-    const bool has_equal_response =
-        function == 0x05 || function == 0x06 || function == 0x08 || function == 0x16;
-    return why == errc::own_echo && has_equal_response ? std::string{text(why.error())} + ": try --echo on"
-                                                       : "what came is the request's own echo: try --echo on";
+    const bool may_be_response = function == 0x05 || function == 0x06 || function == 0x08 || function == 0x16;
+    return why == errc::own_echo && may_be_response ? std::string{text(why.error())} + ": try --echo on"
+                                                    : "what came is the request's own echo: try --echo on";
 }
 
 std::string any_port::diagnosis(servobus::status why) const {
