@@ -12,7 +12,7 @@
 #include <servobus/sim/yako.hpp>
 #include <servobus/sim/zlac8015d.hpp>
 
-#include <tests/support/patience.hpp>
+#include <tests/support/loop_bound.hpp>
 
 namespace tests {
 
@@ -70,7 +70,7 @@ struct wheels_and_lift_program {
     servobus::routine_status command(Drive& drive, const Wanted& wanted) {
         if (const servobus::errc refusal = drive.begin(wanted); refusal != servobus::errc::ok)
             return servobus::routine_status{refusal};
-        for (tests::patience left{"the end of a command"}; !drive.is_idle(); left.use()) turn();
+        for (tests::loop_bound left{"the end of a command"}; !drive.is_idle(); left.use()) turn();
         return drive.last();
     }
 };

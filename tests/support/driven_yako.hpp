@@ -8,7 +8,7 @@
 
 #include <servobus/device/yako.hpp>
 
-#include <tests/support/patience.hpp>
+#include <tests/support/loop_bound.hpp>
 #include <tests/support/simulated_yako.hpp>
 
 namespace simulated {
@@ -28,7 +28,7 @@ template <class Model, template <class> class Drive> struct driven_yako : simula
     template <class Command> void begin_up_to(const Command& wanted, std::size_t n) {
         const std::size_t before = this->requests.size();
         REQUIRE(drive.begin(wanted) == servobus::errc::ok);
-        for (tests::patience left{"the end of a command"};
+        for (tests::loop_bound left{"the end of a command"};
              !drive.is_idle() && this->requests.size() < before + n; left.use())
             turn();
     }
@@ -37,7 +37,7 @@ template <class Model, template <class> class Drive> struct driven_yako : simula
         this->wire.wait(idle.us == 0 ? servobus::microseconds(10) : idle);
     }
     void finish() {
-        for (tests::patience left{"the end of a command"}; !drive.is_idle(); left.use()) turn();
+        for (tests::loop_bound left{"the end of a command"}; !drive.is_idle(); left.use()) turn();
     }
 };
 
@@ -51,7 +51,7 @@ bool run_with_a_loss(Axis& a, const Command& wanted, std::uint32_t lost, bool is
     const std::uint32_t first = a.wire.requests();
     const std::uint32_t struck = a.wire.struck();
     REQUIRE(a.drive.begin(wanted) == servobus::errc::ok);
-    for (tests::patience left{"the end of a command"}; !a.drive.is_idle(); left.use()) {
+    for (tests::loop_bound left{"the end of a command"}; !a.drive.is_idle(); left.use()) {
         const std::uint32_t passed = a.wire.requests() - first;
         a.wire.faults().lost_request = passed == lost && !is_response ? 1000 : 0;
         a.wire.faults().lost_response = passed == lost + 1 && is_response ? 1000 : 0;

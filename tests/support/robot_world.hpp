@@ -164,8 +164,8 @@ long double least_distance(const servobus::plane_pose& p, const Places& places, 
     }
     return least;
 }
-/// From the nearest of the places that the drive has given away in response to a request of the pose's time. Where it gave
-/// none, as for a response that was late enough to be taken for the next one: from where the robot was.
+/// From the nearest of the places that the drive has given away in response to a request of the pose's time. Where it
+/// gave none, as for a response that was late enough to be taken for the next one: from where the robot was.
 inline long double distance(const servobus::plane_pose& p, const world& w, const machine& of) {
     const long double given = least_distance(p, w.drive.given(), of);
     return given < 1e9L ? given : least_distance(p, w.drive.places(), of);

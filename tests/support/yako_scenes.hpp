@@ -13,7 +13,7 @@
 #include <doctest/doctest.h>
 
 #include <tests/support/driven_yako.hpp>
-#include <tests/support/patience.hpp>
+#include <tests/support/loop_bound.hpp>
 #include <tests/support/yako_interpretations.hpp>
 
 namespace yako_scenes {
@@ -221,7 +221,7 @@ template <class A> struct scene : A {
 
     template <class Before> void play(Before before_each_turn) {
         const std::uint64_t end = this->wire.time_us() + 8'000'000;
-        for (tests::patience left{"the end of a command"}; !this->drive.is_idle(); left.use()) {
+        for (tests::loop_bound left{"the end of a command"}; !this->drive.is_idle(); left.use()) {
             before_each_turn();
             this->turn();
             if (this->wire.time_us() > end) FAIL("it does not end");

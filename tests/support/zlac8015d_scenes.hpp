@@ -12,7 +12,7 @@
 #include <doctest/doctest.h>
 
 #include <tests/support/driven_zlac8015d.hpp>
-#include <tests/support/patience.hpp>
+#include <tests/support/loop_bound.hpp>
 #include <tests/support/zlac8015d_interpretations.hpp>
 
 namespace zlac8015d_scenes {
@@ -266,7 +266,7 @@ struct scene : rig {
     template <class Before> void play(Before before_each_turn) {
         const std::uint64_t end =
             wire.time_us() + (ends_well(of, interpretations) ? 5'000'000u : 70'000'000u);
-        for (tests::patience left{"the end of a command"}; !drive.is_idle(); left.use()) {
+        for (tests::loop_bound left{"the end of a command"}; !drive.is_idle(); left.use()) {
             before_each_turn();
             turn();
             if (wire.time_us() > end) FAIL("it does not end");

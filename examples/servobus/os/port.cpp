@@ -148,8 +148,8 @@ void any_port::set_peer_unit(std::uint8_t unit) {
     std::get<mbap>(port_).set_peer_unit(unit);
 }
 
-// A connection that the peer has answered is followed by the next one immediately. One that it has not answered costs a pause,
-// twice as long each time: a small gateway fails under many connections a second.
+// A connection that the peer has answered is followed by the next one immediately. One that it has not answered costs a
+// pause, twice as long each time: a small gateway fails under many connections a second.
 void any_port::pause_before_connecting() {
     using servobus::milliseconds;
     constexpr servobus::duration first = milliseconds(100), longest = milliseconds(3200);

@@ -25,8 +25,8 @@ namespace servobus {
 
 /// Adds up the steps of two wheels. The heading depends on the net counts of the wheels only.
 ///
-/// A step is what a wheel moves between two updates. Its path is taken as an arc. A step whose path is not known is not added,
-/// and the pose is not continuous from then on:
+/// A step is what a wheel moves between two updates. Its path is taken as an arc. A step whose path is not known is not
+/// added, and the pose is not continuous from then on:
 /// - more than 8.3 m or 2^20 counts of a wheel, or a turn of more than 0.4 rad
 /// - more than 100 ms with a way of more than 1 mm or a turn of more than 1.5 mrad, unless `expect_arc` was called
 ///
@@ -70,8 +70,9 @@ class odometry {
 
     /// States that the path until `now` is near an arc, however long the next step has taken.
     constexpr void expect_arc(instant now) { pose_.time = now; }
-    /// True if the path of a step ends within 0.75 mm of its arc. A bow is the distance of a wheel from a steady way, as a mean
-    /// over the time of the step; `farthest` is the longest way that a wheel has made. All are counts, 0 and more.
+    /// True if the path of a step ends within 0.75 mm of its arc. A bow is the distance of a wheel from a steady way,
+    /// as a mean over the time of the step; `farthest` is the longest way that a wheel has made. All are counts, 0 and
+    /// more.
     constexpr bool is_near_arc(std::int32_t left_bow, std::int32_t right_bow, std::int32_t left_farthest,
                                std::int32_t right_farthest) const {
         const detail::axle_ratios& of = axle_->ratios();

@@ -40,8 +40,8 @@ struct line_settings {
     bool echoes = false;     ///< the client receives what it sends, as on many RS-485 adapters
     bool keeps_echo = false; ///< the port leaves the echo to the line: give it `echoed`
     duration echo_delay{};   ///< above 0 the echo ends after `sent()` is true, as with USB
-    /// Above 0 the adapter returns a request to which no device has responded so long after its last bit, as some do while
-    /// no drive is connected. Longer than the devices take.
+    /// Above 0 the adapter returns a request to which no device has responded so long after its last bit, as some do
+    /// while no drive is connected. Longer than the devices take.
     duration unanswered_return{};
     instant start{};                 ///< first value of the clock: a test may begin before its wrap
     duration poll = microseconds(1); ///< what a call of sent, receive or now takes

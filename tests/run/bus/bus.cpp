@@ -13,7 +13,7 @@
 #include <vector>
 
 #include <tests/support/driven_wheels_and_lift.hpp>
-#include <tests/support/patience.hpp>
+#include <tests/support/loop_bound.hpp>
 #include <tests/support/scripted_port.hpp>
 
 namespace bus_tests {
@@ -248,7 +248,7 @@ TEST_CASE("G36: a value becomes stale, and none from before a restart is deliver
     CHECK(r.lift.feedback(milliseconds(100'000)).error() == errc::needs_init);
     REQUIRE(r.lift.begin(yako::init{}) == errc::ok);
     const std::uint64_t begun = r.wire.time_us();
-    for (tests::patience left{"the end of a command"}; !r.lift.is_idle(); left.use()) {
+    for (tests::loop_bound left{"the end of a command"}; !r.lift.is_idle(); left.use()) {
         r.turn();
         const auto oldest = milliseconds(static_cast<std::uint32_t>((r.wire.time_us() - begun) / 1000));
         CHECK_FALSE(r.all.latest<2>(milliseconds(100'000)));
@@ -277,7 +277,7 @@ TEST_CASE("G25: a stop has left within the plan's bound, whatever else is in pro
         std::size_t first = r.requests.size();
         const std::uint64_t ordered = r.wire.time_us();
         REQUIRE(r.wheels.begin(zlac8015d::quick_stop{}) == errc::ok);
-        for (tests::patience left{"the end of a command"}; !r.wheels.is_idle(); left.use()) r.turn();
+        for (tests::loop_bound left{"the end of a command"}; !r.wheels.is_idle(); left.use()) r.turn();
         CHECK(r.wheels.last());
         while (first < r.requests.size() && !is_stop(r.requests[first].data)) ++first;
         REQUIRE(first < r.requests.size());
@@ -302,7 +302,7 @@ TEST_CASE("G25: the bound of a stop also holds when a program runs the bus in co
             std::size_t first = r.requests.size();
             const std::uint64_t ordered = r.wire.time_us();
             REQUIRE(r.wheels.begin(zlac8015d::quick_stop{}) == errc::ok);
-            for (tests::patience left{"the end of a command"}; !r.wheels.is_idle(); left.use()) run_on();
+            for (tests::loop_bound left{"the end of a command"}; !r.wheels.is_idle(); left.use()) run_on();
             while (first < r.requests.size() && !is_stop(r.requests[first].data)) ++first;
             REQUIRE(first < r.requests.size());
             // The wheels are not initialised yet, so their facade sends zero targets before the stop.

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include <tests/support/driven_wheels_and_lift.hpp>
-#include <tests/support/patience.hpp>
+#include <tests/support/loop_bound.hpp>
 #include <tests/support/scripted_port.hpp>
 
 namespace bus_attacks_tests {
@@ -175,7 +175,7 @@ TEST_CASE("G16: a response that arrived while the program paused is taken, with 
         };
         while (seen.all.empty() || seen.all.back()[1] != 6 || seen.all.back()[3] != 0x2D) turn();
         m.wire.pass(milliseconds(1200));
-        for (tests::patience left{"the end of a command"}; !p.lift.is_idle(); left.use()) turn();
+        for (tests::loop_bound left{"the end of a command"}; !p.lift.is_idle(); left.use()) turn();
         CHECK(p.lift.last());
         CHECK(p.lift.state() == yako::drive_state::enabled);
         CHECK(p.on.epoch(2) == before);
@@ -218,7 +218,7 @@ TEST_CASE("G26: a weaker stop that fails too leaves the stronger one to be repea
         p.turn();
         refused = p.lift.begin(yako::halt{});
     }
-    for (tests::patience left{"the end of a command"}; !p.lift.is_idle(); left.use()) p.turn();
+    for (tests::loop_bound left{"the end of a command"}; !p.lift.is_idle(); left.use()) p.turn();
     m.wire.set_connected(1, true);
     p.run(3000);
     CHECK_FALSE(m.lift_model.enabled());

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include <tests/support/driven_wheels_and_lift.hpp>
-#include <tests/support/patience.hpp>
+#include <tests/support/loop_bound.hpp>
 
 namespace bus_pause_tests {
 
@@ -40,7 +40,7 @@ TEST_CASE("a read that is due while its drive is unknown is sent as soon as the 
         REQUIRE(all.count(0) == round - 1);
         REQUIRE(all.latest<0>(milliseconds(60'000)).error() == errc::needs_init);
         REQUIRE(wheels.begin(zlac8015d::init{}) == errc::ok);
-        for (tests::patience left{"the end of a command"}; !wheels.is_idle(); left.use()) step();
+        for (tests::loop_bound left{"the end of a command"}; !wheels.is_idle(); left.use()) step();
         REQUIRE(wheels.last());
         for (const std::uint64_t end = machine.wire.time_us() + 30'000; machine.wire.time_us() < end;) step();
         CHECK(all.count(0) == round);
@@ -76,7 +76,7 @@ TEST_CASE(
         };
         const auto init = [&] {
             REQUIRE(wheels.begin(zlac8015d::init{}) == errc::ok);
-            for (tests::patience left{"the end of a command"}; !wheels.is_idle(); left.use()) step();
+            for (tests::loop_bound left{"the end of a command"}; !wheels.is_idle(); left.use()) step();
             REQUIRE(wheels.last());
         };
         init();

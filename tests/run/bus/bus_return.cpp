@@ -10,7 +10,7 @@
 #include <vector>
 
 #include <tests/support/driven_wheels_and_lift.hpp>
-#include <tests/support/patience.hpp>
+#include <tests/support/loop_bound.hpp>
 
 namespace bus_return_tests {
 
@@ -82,7 +82,7 @@ TEST_CASE(
     r.wire.set_connected(1, false);
     REQUIRE_FALSE(r.command(r.p.lift, yako::quick_stop{}));
     routine_status taken_over;
-    tests::patience left{"a drive that takes a command"};
+    tests::loop_bound left{"a drive that takes a command"};
     do {
         left.use();
         r.turn();
@@ -116,7 +116,7 @@ TEST_CASE(
             CHECK(r.p.wheels.state() == zlac8015d::drive_state::needs_init);
             CHECK(r.p.all.is_absent(1));
             CHECK_FALSE(r.p.all.is_absent(2));
-            for (tests::patience left{"a free line"}; !r.p.on.is_free(); left.use()) r.turn();
+            for (tests::loop_bound left{"a free line"}; !r.p.on.is_free(); left.use()) r.turn();
             const auto place = r.wheels_model.left().position;
             r.requests.clear();
             r.wire.set_connected(0, true);
@@ -226,7 +226,7 @@ TEST_CASE(
     CHECK(r.wire.requests() - asked - (r.requests.size() - to_wheels) >= 20 + 8);
     r.wire.set_connected(1, true);
     const std::uint64_t back = r.wire.time_us();
-    for (tests::patience left{"an event"}; r.p.lift.is_absent(); left.use()) r.turn();
+    for (tests::loop_bound left{"an event"}; r.p.lift.is_absent(); left.use()) r.turn();
     CHECK(r.wire.time_us() - back <= tests::fast_plan.rediscovery_bound(2).us);
     r.loop(200);
     CHECK(r.p.lift.feedback(milliseconds(100)));
@@ -347,16 +347,16 @@ TEST_CASE("G21: a drive that was absent while a command was in progress needs in
         r.wire.set_connected(1, false);
         r.loop(ms);
         (void)r.p.lift.begin(yako::move_by{1000 * pulse, by});
-        for (tests::patience left{"an event"}; !r.p.all.is_absent(2); left.use()) r.turn();
+        for (tests::loop_bound left{"an event"}; !r.p.all.is_absent(2); left.use()) r.turn();
         if (is_restarted) r.lift_model.power_cycle();
         r.wire.set_connected(1, true);
         SUBCASE("a stop replaces the command") {
             REQUIRE(r.p.lift.begin(yako::quick_stop{}) == errc::ok);
-            for (tests::patience left{"the end of a command"}; !r.p.lift.is_idle(); left.use()) r.turn();
+            for (tests::loop_bound left{"the end of a command"}; !r.p.lift.is_idle(); left.use()) r.turn();
             REQUIRE(r.p.lift.last());
         }
         SUBCASE("the command runs to its end") {
-            for (tests::patience left{"the end of a command"}; !r.p.lift.is_idle(); left.use()) r.turn();
+            for (tests::loop_bound left{"the end of a command"}; !r.p.lift.is_idle(); left.use()) r.turn();
         }
         const bool was_known = r.p.lift.state() != yako::drive_state::needs_init;
         const std::uint32_t starts = r.lift_model.starts(); // of the command that ran to its end

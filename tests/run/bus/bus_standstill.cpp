@@ -12,7 +12,7 @@
 #include <servobus/client/client.hpp>
 
 #include <tests/support/driven_wheels_and_lift.hpp>
-#include <tests/support/patience.hpp>
+#include <tests/support/loop_bound.hpp>
 
 namespace bus_standstill_tests {
 
@@ -107,7 +107,7 @@ struct facade_alone : ear {
     }
     template <class Wanted> void command(const Wanted& wanted) {
         REQUIRE(wheels.begin(wanted) == errc::ok);
-        for (tests::patience left{"the end of a command"}; !wheels.is_idle(); left.use()) turn();
+        for (tests::loop_bound left{"the end of a command"}; !wheels.is_idle(); left.use()) turn();
         REQUIRE(wheels.last());
     }
 };
@@ -158,7 +158,7 @@ TEST_CASE("S3, G20: without a bus, a response that arrived while the program pau
         f.command(zlac8015d::enable{});
         f.command(zlac8015d::velocity{30 * r_per_min, 30 * r_per_min});
         f.look_for(600);
-        for (tests::patience left{"the end of a command"}; !f.wheels.is_idle(); left.use()) f.turn();
+        for (tests::loop_bound left{"the end of a command"}; !f.wheels.is_idle(); left.use()) f.turn();
         REQUIRE(f.wheels.begin(zlac8015d::read_feedback{}) == errc::ok);
         for (unsigned i = 0; i < turns && !f.wheels.is_idle(); ++i) f.turn();
         f.wire.pass(milliseconds(4000));
@@ -177,7 +177,7 @@ TEST_CASE("S3: the read that follows a start without a response is not the first
         f.command(zlac8015d::init{});
         f.command(zlac8015d::enable_in{operating_mode::relative_position});
         REQUIRE(f.wheels.begin(zlac8015d::move_by{40000 * pulse, 40000 * pulse}) == errc::ok);
-        for (tests::patience left{"a start"}; f.model.starts() == 0; left.use()) f.turn();
+        for (tests::loop_bound left{"a start"}; f.model.starts() == 0; left.use()) f.turn();
         f.wire.faults().lost_response = 1000;
         for (unsigned i = 0; i < turns; ++i) f.turn();
         CHECK((f.wire.struck() != 0) == (turns != 0));
@@ -204,21 +204,21 @@ TEST_CASE("S3: after a watchdog write with an unknown outcome the shorter of bot
         r.drive_wheels();
         if (t.before != 0) { REQUIRE(r.command(r.wheels, zlac8015d::watchdog{t.before * millisecond})); }
         REQUIRE(r.wheels.begin(zlac8015d::watchdog{t.ordered * millisecond}) == errc::ok);
-        for (tests::patience left{"the write"}; r.wheels_model.peek(0x2000) != t.ordered; left.use())
+        for (tests::loop_bound left{"the write"}; r.wheels_model.peek(0x2000) != t.ordered; left.use())
             r.turn();
         r.wire.faults().lost_response = 1000;
-        for (tests::patience left{"the end of a command"}; !r.wheels.is_idle(); left.use()) r.turn();
+        for (tests::loop_bound left{"the end of a command"}; !r.wheels.is_idle(); left.use()) r.turn();
         CHECK(r.wire.struck() != 0);
         r.wire.faults() = {};
         CHECK(r.wheels.last().outcome() == outcome::unknown);
         r.run(100);
         REQUIRE(r.wheels.state() == zlac8015d::drive_state::needs_init);
         REQUIRE(r.wheels.begin(zlac8015d::quick_stop{}) == errc::ok);
-        for (tests::patience left{"the end of a command"}; !r.wheels.is_idle(); left.use()) r.turn();
+        for (tests::loop_bound left{"the end of a command"}; !r.wheels.is_idle(); left.use()) r.turn();
         r.requests.clear();
         r.wire.pass(milliseconds(t.counts));
         REQUIRE(r.wheels.begin(zlac8015d::quick_stop{}) == errc::ok);
-        for (tests::patience left{"the end of a command"}; !r.wheels.is_idle(); left.use()) r.turn();
+        for (tests::loop_bound left{"the end of a command"}; !r.wheels.is_idle(); left.use()) r.turn();
         CHECK(same_bytes(r.requests.at(0), zero_speeds)); // the watchdog may have expired
     }
     rig r; // not sent: the old time counts
@@ -241,7 +241,7 @@ TEST_CASE("S3: a stop that is repeated after a pause begins with a stop frame, i
         r.wire.set_connected(0, false);
         CHECK_FALSE(r.command(r.wheels, wanted));
         r.run(3000);
-        for (tests::patience left{"a free line"}; !r.on.is_free(); left.use()) r.turn();
+        for (tests::loop_bound left{"a free line"}; !r.on.is_free(); left.use()) r.turn();
         r.requests.clear();
         r.wire.set_connected(0, true);
         r.run(3000);
@@ -285,7 +285,7 @@ TEST_CASE("G21: after a lost response a facade reads the drive again, and its st
     REQUIRE(r.command(r.lift, yako::enable{}));
     r.requests.clear();
     r.wire.faults().lost_response = 1000;
-    for (tests::patience left{"a request"}; r.requests.empty(); left.use()) r.turn();
+    for (tests::loop_bound left{"a request"}; r.requests.empty(); left.use()) r.turn();
     r.run(5);
     CHECK(r.wire.struck() != 0);
     r.wire.faults() = {};
@@ -312,7 +312,7 @@ TEST_CASE("G21: a lost port invalidates all cached settings, whichever user of t
         for (unsigned i = 0; i < turns; ++i) r.turn();
         r.wire.unplug();
         const std::uint8_t losses = r.on.epoch(1).losses;
-        for (tests::patience left{"a loss"}; r.on.epoch(1).losses == losses; left.use()) r.turn();
+        for (tests::loop_bound left{"a loss"}; r.on.epoch(1).losses == losses; left.use()) r.turn();
         r.wire.plug(); // opened again before another user of the line has noticed
         if (turns % 2 != 0) { REQUIRE(r.wheels.begin(zlac8015d::quick_stop{}) == errc::ok); }
         r.run(400);
@@ -339,7 +339,7 @@ TEST_CASE("G21, G25: a stop replaces a command after a client has found the port
         ++seen;
         r.requests.clear();
         REQUIRE(r.wheels.begin(zlac8015d::quick_stop{}) == errc::ok);
-        for (tests::patience left{"the end of a command"}; !r.wheels.is_idle(); left.use()) r.turn();
+        for (tests::loop_bound left{"the end of a command"}; !r.wheels.is_idle(); left.use()) r.turn();
         REQUIRE_FALSE(r.requests.empty());
         CHECK(same_bytes(r.requests[0], zero_speeds)); // the drive's watchdog may have expired
         CHECK(same_bytes(r.requests.at(1), quick_stop_frame));
@@ -430,7 +430,7 @@ TEST_CASE("G21, G22: a read without a response invalidates the word order that w
     auto& all = r.all;
     r.machine.wire.faults().lost_response = 1000;
     const std::uint32_t asked = r.machine.wire.requests();
-    for (tests::patience left{"a request"}; r.machine.wire.requests() == asked; left.use())
+    for (tests::loop_bound left{"a request"}; r.machine.wire.requests() == asked; left.use())
         all.run_for(milliseconds(1));
     CHECK(r.machine.wire.struck() != 0);
     r.machine.wire.faults() = {};

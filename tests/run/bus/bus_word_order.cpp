@@ -10,7 +10,7 @@
 #include <servobus/sim/c630s.hpp>
 
 #include <tests/support/driven_wheels_and_lift.hpp>
-#include <tests/support/patience.hpp>
+#include <tests/support/loop_bound.hpp>
 #include <tests/support/scripted_port.hpp>
 
 namespace bus_word_order_tests {
@@ -31,7 +31,7 @@ struct rig : tests::wheels_and_lift, tests::wheels_and_lift_program {
     template <class Wanted> routine_status watched(const Wanted& wanted) {
         if (const errc refusal = lift.begin(wanted); refusal != errc::ok)
             return routine_status{status{refusal}};
-        for (tests::patience left{"the end of a command"}; !lift.is_idle(); left.use()) look();
+        for (tests::loop_bound left{"the end of a command"}; !lift.is_idle(); left.use()) look();
         return lift.last();
     }
     void watch(std::uint32_t ms) {
@@ -93,7 +93,7 @@ TEST_CASE("G21, G22: after a change of the word order with an unknown outcome no
     REQUIRE(r.lift.begin(yako::set_word_order{yako::word_order_setting::low_first}) == errc::ok);
     while (r.lift_model.peek(yako::pair_word_order.address) == 0) r.turn();
     r.wire.set_connected(1, false); // its response is lost
-    for (tests::patience left{"the end of a command"}; !r.lift.is_idle(); left.use()) r.turn();
+    for (tests::loop_bound left{"the end of a command"}; !r.lift.is_idle(); left.use()) r.turn();
     CHECK(r.lift.state() == yako::drive_state::needs_init);
     r.wire.set_connected(1, true);
     r.watch(3000);

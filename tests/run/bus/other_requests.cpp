@@ -19,7 +19,7 @@
 #include <servobus/sim/yako.hpp>
 #include <servobus/sim/zlac8015d.hpp>
 
-#include <tests/support/patience.hpp>
+#include <tests/support/loop_bound.hpp>
 #include <tests/support/scripted_port.hpp>
 
 namespace other_requests_tests {
@@ -228,11 +228,11 @@ TEST_CASE(
             CHECK(took <= plan.worst_case_stop_latency().us);
             longest = took > longest ? took : longest;
             during += is_sensor ? 1u : 0u;
-            for (tests::patience left{"the end of a command"}; !r.wheels.is_idle(); left.use())
+            for (tests::loop_bound left{"the end of a command"}; !r.wheels.is_idle(); left.use())
                 turn(r, sensor_of_program, second_of_program);
             REQUIRE(r.wheels.last());
             REQUIRE(r.wheels.begin(zlac8015d::enable_in{zlac8015d::operating_mode::velocity}) == errc::ok);
-            for (tests::patience left{"the end of a command"}; !r.wheels.is_idle(); left.use())
+            for (tests::loop_bound left{"the end of a command"}; !r.wheels.is_idle(); left.use())
                 turn(r, sensor_of_program, second_of_program);
             REQUIRE(r.wheels.last());
         }
@@ -522,7 +522,7 @@ TEST_CASE(
         modbus::exchange own{request, response, on.timing(), sensor_node.limits};
         modbus::exchange urgent{stop, room, on.timing(), wheels_node.limits, priority::stop};
         while (own.is_to_leave()) on.step(own, sensor_node.gaps);
-        for (tests::patience left{"the end of a call"}; !own.done(); left.use()) {
+        for (tests::loop_bound left{"the end of a call"}; !own.done(); left.use()) {
             on.step(urgent, wheels_node.gaps);
             on.step(own, sensor_node.gaps);
         }

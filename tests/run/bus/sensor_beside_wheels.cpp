@@ -17,7 +17,7 @@
 #include <servobus/sim/zlac8015d.hpp>
 
 #include <tests/support/cell_sensor.hpp>
-#include <tests/support/patience.hpp>
+#include <tests/support/loop_bound.hpp>
 #include <tests/support/served_device.hpp>
 
 namespace sensor_beside_wheels_tests {
@@ -99,7 +99,7 @@ struct rig {
     }
     template <class Wanted> void command(const Wanted& wanted) {
         REQUIRE(wheels.begin(wanted) == errc::ok);
-        for (tests::patience left{"the end of a command"}; !wheels.is_idle(); left.use()) turn();
+        for (tests::loop_bound left{"the end of a command"}; !wheels.is_idle(); left.use()) turn();
         REQUIRE(wheels.last());
     }
     void drive() {
@@ -231,7 +231,7 @@ TEST_CASE("G25: a stop of the wheels is on the wire within the plan's bound, wha
             if (kind == 1) r.wire.set_connected(1, false);
             if (kind == 2) r.served.set_wrong_crc(true);
             r.next_setpoint_us = 0;
-            for (tests::patience left{"the end of a command"}; !r.wheels.is_idle(); left.use()) r.turn();
+            for (tests::loop_bound left{"the end of a command"}; !r.wheels.is_idle(); left.use()) r.turn();
             // While a request to the sensor is on the wire, its response is awaited, or shortly after.
             const std::uint32_t asked = r.to_sensor;
             while (r.to_sensor == asked) r.turn();
@@ -244,7 +244,7 @@ TEST_CASE("G25: a stop of the wheels is on the wire within the plan's bound, wha
             const std::uint64_t took = r.stop_end - commanded;
             CHECK(took <= bound);
             longest = took > longest ? took : longest;
-            for (tests::patience left{"the end of a command"}; !r.wheels.is_idle(); left.use()) r.turn();
+            for (tests::loop_bound left{"the end of a command"}; !r.wheels.is_idle(); left.use()) r.turn();
             REQUIRE(r.wheels.last());
             r.run(1000);
         }

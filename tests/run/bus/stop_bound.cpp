@@ -15,7 +15,7 @@
 #include <servobus/sim/zlac8015d.hpp>
 
 #include <tests/support/late_port.hpp>
-#include <tests/support/patience.hpp>
+#include <tests/support/loop_bound.hpp>
 
 namespace stop_bound_tests {
 
@@ -161,7 +161,7 @@ template <const auto& Plan> std::uint64_t longest_of(const play& how, std::uint3
         in_progress += took > 3000 ? 1u : 0u;
         r.port.due = nullptr;
         r.wire.set_connected(0, true);
-        for (tests::patience left{"the end of a command"}; !r.wheels.is_idle(); left.use()) r.turn();
+        for (tests::loop_bound left{"the end of a command"}; !r.wheels.is_idle(); left.use()) r.turn();
         r.run(150'000);
     }
     if (how.due != nullptr) CHECK(r.port.delayed != 0);

@@ -1,8 +1,9 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// An arrival is that of the last move that was begun, for each drive: none while the next one begins, none if that fails, and
-// that of the move under way where another was refused as busy. A status and settings that a program keeps do not change.
+// An arrival is that of the last move that was begun, for each drive: none while the next one begins, none if that
+// fails, and that of the move under way where another was refused as busy. A status and settings that a program keeps
+// do not change.
 #include <cstdint>
 #include <type_traits>
 #include <utility>

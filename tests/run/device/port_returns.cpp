@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// A drive without a watchdog whose port was lost while its motor moves: the first step with a port stops it. Judged by the
-// frames on the wire and by the simulated motor.
+// A drive without a watchdog whose port was lost while its motor moves: the first step with a port stops it. Judged by
+// the frames on the wire and by the simulated motor.
 #include <cstdint>
 #include <vector>
 
@@ -66,7 +66,8 @@ TEST_CASE_TEMPLATE("G45: a drive that moves is stopped by the first step that ha
             (void)live(s, 400);
             REQUIRE(s.moves());
             s.wire.unplug();
-            CHECK(s.drive.run(read_feedback{}).error() == errc::port_lost); // a loss that no call meets is none
+            CHECK(s.drive.run(read_feedback{}).error() ==
+                  errc::port_lost); // a loss that no call meets is none
             if (is_stepped)
                 CHECK(live(s, lost) == 0);
             else

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// A robot's pose over gaps of its feedback: responses that are lost or late while it keeps its twist, and while it changes it;
-// the first command after a restart of the drive. The simulated wheels are the judge.
+// A robot's pose over gaps of its feedback: responses that are lost or late while it keeps its twist, and while it
+// changes it; the first command after a restart of the drive. The simulated wheels are the judge.
 #include <cstdint>
 #include <iterator>
 

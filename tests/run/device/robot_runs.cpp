@@ -1,10 +1,10 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// A robot's pose in 10 000 random runs: twists, paths that bend both ways, blocking calls, stops, restarts of the drive at
-// every moment and what the program does first after them, lost and late frames, a lost port, cleared positions, programs that
-// stall. A pose that calls itself continuous is at most 1 mm from where the simulated wheels have carried the robot; each kind
-// of event is counted and has a floor.
+// A robot's pose in 10 000 random runs: twists, paths that bend both ways, blocking calls, stops, restarts of the drive
+// at every moment and what the program does first after them, lost and late frames, a lost port, cleared positions,
+// programs that stall. A pose that calls itself continuous is at most 1 mm from where the simulated wheels have carried
+// the robot; each kind of event is counted and has a floor.
 #include <cstddef>
 #include <cstdint>
 #include <string>

@@ -1,8 +1,9 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// What tries again around a C630S as from the factory, which keeps each write in its EEPROM: the EEPROM writes of an hour with
-// no response, whatever part of the requests arrives. Judged by the simulated drive's count and by the frames.
+// What tries again around a C630S as from the factory, which keeps each write in its EEPROM: the EEPROM writes of an
+// hour with no response, whatever part of the requests arrives. Judged by the simulated drive's count and by the
+// frames.
 #include <cstdint>
 #include <vector>
 

@@ -85,7 +85,8 @@ TEST_CASE("the bow bounds a wheel that goes once from one speed to another, the 
         const std::int32_t from = below(2400) - 1200, to = below(2400) - 1200; // 0.1 r/min
         const std::int32_t ms = 10 + below(300), changes_at = below(ms), takes = below(ms - changes_at) + 1;
         const std::int32_t by = 1 + below(8); // 0.1 r/min in a ms
-        // Speeds in the middle of each millisecond: once there by a ramp, or a quarter faster, half slower, a quarter faster.
+        // Speeds in the middle of each millisecond: once there by a ramp, or a quarter faster, half slower, a quarter
+        // faster.
         const auto once = [&](std::int32_t t) {
             const std::int32_t gone = t < changes_at ? 0 : t - changes_at > takes ? takes : t - changes_at;
             return from + static_cast<long double>(to - from) * gone / takes;

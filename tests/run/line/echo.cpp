@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: BSL-1.0
 //
 // Adapters that receive what they send, also those that do so only while no drive responds. G3: a line that only echoes
-// never reports a success, whatever the echo setting. G4: a line with echo handling removes exactly what it sent, and reports what is wrong with an
-// echo.
+// never reports a success, whatever the echo setting. G4: a line with echo handling removes exactly what it sent, and
+// reports what is wrong with an echo.
 #include <doctest/doctest.h>
 
 #include <array>

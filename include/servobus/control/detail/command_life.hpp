@@ -199,8 +199,8 @@ template <class Model, class Exchange> class command_life {
                                   Model::kinds[next.then] != command_kind::refresh;
         return is_for_fault ? errc::faulted : errc::busy;
     }
-    // A move that fails is the last one all the same: the one before has no target any more. One that was refused as `busy`
-    // leaves the motion under way its target.
+    // A move that fails is the last one all the same: the one before has no target any more. One that was refused as
+    // `busy` leaves the motion under way its target.
     constexpr void drop_target(const prepared_command& c, errc why) {
         if (why == errc::ok || why == errc::busy || Model::kinds[c.then] != command_kind::move) return;
         known_.model().preempt(c);

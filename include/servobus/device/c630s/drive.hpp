@@ -59,9 +59,9 @@ template <class Line, class Model = model> class basic_drive : public facade<Mod
     /// After a start that ended `unknown`: whether the motor was found running, or more than 20 reference units
     /// from its place; `unknown` if the drive was restarted.
     constexpr motion_check motion() const { return this->model().motion().seen(); }
-    /// Where the last move has come to; `none` in the state `needs_init`, for a run of several segments, and from the begin of
-    /// a move until it has started. It ends when `wait_reached` or `wait_standstill` has read where the motor is, or a stop is
-    /// done.
+    /// Where the last move has come to; `none` in the state `needs_init`, for a run of several segments, and from the
+    /// begin of a move until it has started. It ends when `wait_reached` or `wait_standstill` has read where the motor
+    /// is, or a stop is done.
     constexpr c630s::arrival arrival() const {
         const motion_under_way& last = this->model().motion();
         if (!this->cached().is_initialised() || !last.has_goal() || this->is_move_beginning()) return {};

@@ -108,7 +108,8 @@ class model {
     }
     /// None is documented: a motor runs on when nothing is sent.
     static constexpr duration watchdog(const settings&) { return {}; }
-    /// A halt, or a quick stop where there is none. A drive of which nothing is known may keep each write in its EEPROM.
+    /// A halt, or a quick stop where there is none. A drive of which nothing is known may keep each write in its
+    /// EEPROM.
     static constexpr prepared_command stop_for(stop_priority priority, const settings& known, bool) {
         if (!known.is_initialised()) return detail::stop_sparing();
         if (priority == stop_priority::disable) return detail::stop_by_all_means(known);

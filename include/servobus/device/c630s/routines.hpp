@@ -96,8 +96,8 @@ template <std::size_t... N> constexpr auto joined(const step (&... parts)[N]) {
 
 /// Sent and repeated whether or not anything responds: what follows wears nothing if both arrive.
 inline constexpr step spare_first[] = {steps::repeatable(steps::write<eeprom_update>(off_on::off))};
-/// The motor may still run from a program that crashed: zero targets, servo off. The EEPROM is spared after them and repeated
-/// with them, so that a second round wears nothing. Then what the facade must know is read. Nothing moves and
+/// The motor may still run from a program that crashed: zero targets, servo off. The EEPROM is spared after them and
+/// repeated with them, so that a second round wears nothing. Then what the facade must know is read. Nothing moves and
 /// nothing is enabled.
 inline constexpr step init[] = {
     stop_by_targets,
@@ -264,8 +264,8 @@ inline constexpr step halt_jog[] = {
     steps::expect_zero<target_speed, jog_speed>(errc::needs_init), // a restart brings others back
     until_standstill, wears_nothing,
 };
-/// Every means, for a drive of which nothing is known, that no program asks to stop: P0D-05 and P0C-13 wear nothing, and
-/// what follows them does not either.
+/// Every means, for a drive of which nothing is known, that no program asks to stop: P0D-05 and P0C-13 wear nothing,
+/// and what follows them does not either.
 inline constexpr step stop_at_once_first[] = {stop_at_once};
 /// Every means, for a drive of which nothing is known, or that has a fault.
 inline constexpr step stop_all[]   = {servo_off, stop_by_targets, zero_torque, read_back_inputs, until_standstill, until_power_off};

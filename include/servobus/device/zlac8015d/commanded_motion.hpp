@@ -1,12 +1,14 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// ZLTECH ZLAC8015D: keeps what the program has commanded that changes the speeds of the wheels: since the last feedback, and
-// until the wheels are stopped. zlac8015d/robot.hpp includes it.
+// ZLTECH ZLAC8015D: the commands that change the speeds of the wheels, since the last feedback and until the wheels are
+// stopped. zlac8015d/robot.hpp includes it.
 //
-//     zlac8015d::commanded_motion commanded;
-//     commanded.begin(c);                                  // a command of the program
-//     if (!commanded.is_new()) return;                     // it repeats the last twist, or moves nothing
+//     constexpr bool changes_speeds(const zlac8015d::prepared_command& c) {
+//         zlac8015d::commanded_motion commanded;
+//         commanded.begin(c);
+//         return commanded.is_new(); // no read, no wait, no twist again
+//     }
 #pragma once
 
 #include <cstdint>
@@ -18,8 +20,8 @@ namespace servobus::zlac8015d {
 
 class commanded_motion {
   public:
-    /// True if a command since the last feedback may have changed a speed: any but a read, a wait, and the twist that the drive
-    /// has acknowledged last.
+    /// True if a command since the last feedback may have changed a speed: any but a read, a wait, and the twist that
+    /// the drive has acknowledged last.
     constexpr bool is_new() const { return is_new_; }
     /// True if the drive may have had a target other than zero since the last feedback.
     constexpr bool could_move() const { return could_move_; }

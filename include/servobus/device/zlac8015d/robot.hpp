@@ -108,8 +108,8 @@ class robot_model : public counted_model {
                 wheel_step::swing(acceleration_, took, left),
                 wheel_step::swing(acceleration_, took, right)};
     }
-    // True if both wheels have moved as their speeds allow, and the path is near an arc. A new command lets each wheel swing;
-    // without one its speed only goes from that of the last feedback to that of this one.
+    // True if both wheels have moved as their speeds allow, and the path is near an arc. A new command lets each wheel
+    // swing; without one its speed only goes from that of the last feedback to that of this one.
     constexpr bool is_path_known(const both_wheels& now, duration took) const {
         const both_steps by = steps_between(last_, now, took);
         if (by.left.excess() > 5 + 8 * by.left_swing || by.right.excess() > 5 + 8 * by.right_swing)
@@ -184,19 +184,20 @@ template <class Line> class robot : public basic_drive<Line, robot_model> {
         return {this->model().base(), wanted};
     }
 
-    /// Where the robot was at the pose's time, when the request for the last feedback began to leave. The pose begins at x 0,
-    /// y 0, heading 0 with the first feedback. It is continuous unless the way since then is not known: no feedback yet, a
-    /// restart of the drive, `init`, a lost port, cleared positions, a gap between two feedbacks in which the path may have left
-    /// its arc by more than 0.75 mm. `set_pose` makes it continuous again.
+    /// Where the robot was at the pose's time, when the request for the last feedback began to leave. The pose begins
+    /// at x 0, y 0, heading 0 with the first feedback. It is continuous unless the way since then is not known: no
+    /// feedback yet, a restart of the drive, `init`, a lost port, cleared positions, a gap between two feedbacks in
+    /// which the path may have left its arc by more than 0.75 mm. `set_pose` makes it continuous again.
     constexpr plane_pose pose() const {
         plane_pose p = this->model().pose();
         const bool is_same = this->model().epoch() == this->machine().known().epoch_of_positions();
         p.is_continuous = p.is_continuous && is_same && this->state() != drive_state::needs_init;
         return p;
     }
-    /// States by how much a wheel's speed changes in a second at most, in r/min of its motor: 500 r/min until this is called,
-    /// 100 to 25 500 r/min in steps of 100; more counts as 25 500. It is a limit of the robot, as its program shapes the
-    /// twists and the drive its ramps. A lower one keeps the pose over longer gaps in which the twist changes.
+    /// States by how much a wheel's speed changes in a second at most, in r/min of its motor: 500 r/min until this is
+    /// called, 100 to 25 500 r/min in steps of 100; more counts as 25 500. It is a limit of the robot, as its program
+    /// shapes the twists and the drive its ramps. A lower one keeps the pose over longer gaps in which the twist
+    /// changes.
     constexpr void set_acceleration(speed in_a_second) {
         constexpr std::uint32_t step = 100 * 2520; // counts of a tenth of a r/min in a millisecond
         const auto counts = static_cast<std::uint32_t>(in_a_second.count() < 0 ? 0 : in_a_second.count());

@@ -1,12 +1,11 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// ZLTECH ZLAC8015D: compares a wheel's way from one feedback to the next with the speeds that both show. From that follow how
-// far the wheel may have been from a steady way meanwhile, and whether the drive may have restarted. zlac8015d/robot.hpp
-// includes it.
+// ZLTECH ZLAC8015D: a wheel's way from one feedback to the next beside the speeds that both show. Both bound how far the
+// wheel was from a steady way meanwhile, and show that the drive may have restarted. zlac8015d/robot.hpp includes it.
 //
 //     constexpr zlac8015d::wheel_image before{.position = 640, .speed = 600}; // 60 r/min
-//     constexpr zlac8015d::wheel_step even{before, {718, 600}, milliseconds(20), 4096};
+//     constexpr zlac8015d::wheel_step even{before, {722, 600}, milliseconds(20), 4096};
 //     constexpr zlac8015d::wheel_step restarted{before, {70, 600}, milliseconds(20), 4096};
 //     static_assert(even.excess() == 0 && even.bow() == 0);
 //     static_assert(restarted.excess() > 80 && restarted.may_come_from_zero(0));
@@ -24,7 +23,8 @@ struct wheel_image {
     std::int16_t speed = 0;
 };
 
-/// A wheel's way between two feedbacks, in counts, and the ways in that time at both speeds. A servo trembles by 5 counts.
+/// A wheel's way between two feedbacks, in counts, and the ways in that time at both speeds. A servo trembles by
+/// 5 counts.
 class wheel_step {
   public:
     constexpr wheel_step(const wheel_image& before, const wheel_image& now, duration between,
@@ -35,8 +35,8 @@ class wheel_step {
 
     /// True if the wheel was at rest in both, where it was.
     constexpr bool is_at_rest() const { return farthest() <= 5; }
-    /// Bounds how far the wheel was from a steady way, as a mean over the time: by its change from one speed to the other at
-    /// any moment, and by what its way has more or less than both speeds allow.
+    /// Bounds how far the wheel was from a steady way, as a mean over the time: by its change from one speed to the
+    /// other at any moment, and by what its way has more or less than both speeds allow.
     constexpr std::int32_t bow() const { return (magnitude(to_ - from_) >> 3) + ((excess() + 1) >> 1); }
     /// How much more or less the way is than both speeds allow.
     constexpr std::int32_t excess() const {
@@ -54,10 +54,10 @@ class wheel_step {
         return there_ <= most && there_ >= -most;
     }
 
-    /// Bounds the bow of a wheel that changes its speed by at most `tenths` of 0.1 r/min in a millisecond, and has its speed
-    /// again at the end: a quarter of the time faster, half of it slower, a quarter faster.
+    /// Bounds the bow of a wheel that changes its speed by at most `tenths` of 0.1 r/min in a millisecond, and has its
+    /// speed again at the end: a quarter of the time faster, half of it slower, a quarter faster.
     static constexpr std::int32_t swing(std::uint8_t tenths, duration in, std::uint32_t counts_per_turn) {
-        const std::uint32_t change = tenths * (at_most_4_s(in) * 67 >> 16); // 67 / 2^16 is 1 / 978
+        const std::uint32_t change = tenths * (at_most_4_s(in) * 67 >> 16); // ms, 2 % too many
         const auto faster = static_cast<std::int16_t>(change < 32'767 ? change : 32'767);
         return (way(faster, in, counts_per_turn) + 31) >> 5;
     }
@@ -69,7 +69,7 @@ class wheel_step {
         return a < b ? b : a;
     }
     static constexpr std::uint32_t at_most_4_s(duration d) { return d.us >> 22 != 0 ? 1u << 22 : d.us; }
-    // The counts in a time at a speed: tenths * us * counts / 600 000 000, of which 2^12 / 600 000 000 is 58 641 / 2^33.
+    // The counts in a time at a speed: tenths * us * counts / 600 000 000. 2^12 / 600 000 000 is 58 641 / 2^33.
     static constexpr std::int32_t way(std::int16_t tenths, duration in, std::uint32_t counts_per_turn) {
         const std::int64_t parts = std::int64_t{tenths} * at_most_4_s(in) * counts_per_turn >> 12;
         return static_cast<std::int32_t>((parts * 58'641 + (std::int64_t{1} << 32)) >> 33);

@@ -12,8 +12,8 @@
 
 namespace servobus::detail {
 
-// Nodes share `Counters` counters of 7 bits, and a bit beside each. One that wraps advances the next wider one, so that no epoch
-// comes back before 2^15 misses.
+// Nodes share `Counters` counters of 7 bits, and a bit beside each. One that wraps advances the next wider one, so that
+// no epoch comes back before 2^15 misses.
 template <std::size_t Counters> class epoch_counters {
   public:
     [[gnu::always_inline]] constexpr epoch of(std::uint8_t node_address) const {
