@@ -131,6 +131,8 @@ TEST_CASE("G43: a gap in which the path bends both ways is within 1 mm of the wh
     CHECK(continuous > 400);
 }
 
+namespace {
+
 // Plays the first command after a restart of a turning drive, at any moment of the feedback and of a blocked program.
 template <class Command> void restart_and(const Command& first, unsigned& continuous, unsigned& all) {
     sim::dice random{11};
@@ -173,6 +175,8 @@ template <class Command> void restart_and(const Command& first, unsigned& contin
         CHECK(worst < 1);
     }
 }
+
+} // namespace
 
 TEST_CASE("G43: whatever a program commands first after a restart, no pose is continuous and wrong") {
     unsigned continuous = 0, all = 0;
