@@ -301,6 +301,14 @@ TEST_CASE("the cause of a stop counts until the next motion") {
     CHECK(r.drive.cause() == stop_cause::unknown);
 }
 
+TEST_CASE("a stop of the program is the cause though its response is lost: it may have arrived") {
+    rig r;
+    REQUIRE(r.drive.run(move));
+    r.is_mute = true;
+    REQUIRE(r.drive.run(halting).outcome() == outcome::unknown);
+    CHECK(r.drive.cause() == stop_cause::command);
+}
+
 TEST_CASE("G21: a command that asks for the witness of a drive of which nothing is known ends with its first "
           "response") {
     rig r;
