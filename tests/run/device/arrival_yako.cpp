@@ -69,6 +69,22 @@ TEST_CASE_TEMPLATE("G34: a move that reaches its target says so, whatever its ki
     CHECK(a.place() == target + 500);
 }
 
+TEST_CASE("a wait goes on however many responses are lost, as long as others come between") {
+    closed_axis a;
+    take(a);
+    REQUIRE(a.drive.run(move_by{50'000 * pulse, brisk}));
+    REQUIRE(a.drive.begin(wait_reached{}) == errc::ok);
+    const std::size_t before = a.requests.size();
+    while (!a.drive.is_idle()) {
+        a.wire.faults().lost_response = (a.requests.size() - before) % 6 == 5 ? 1000 : 0;
+        const duration idle = a.drive.step();
+        a.wire.wait(idle.us == 0 ? microseconds(10) : idle);
+    }
+    REQUIRE(a.requests.size() - before > 4 * 6); // more than a read is repeated
+    CHECK(a.drive.last());
+    CHECK(a.drive.arrival().how == arrival_state::reached);
+}
+
 TEST_CASE("G34: a move that is refused has no arrival, and last() says why") {
     closed_axis a;
     take(a);
