@@ -365,6 +365,18 @@ TEST_CASE("G16, G21: a setpoint without a response that reads back as neither th
     }
 }
 
+TEST_CASE("G16: a setpoint that cannot be read back ends as its write: what it has done is not known") {
+    rig r;
+    REQUIRE(r.drive.run(take_over_witnessed));
+    r.port.device = [](tests::scripted_port& p, const sent_frame& f) {
+        if (f.data[1] == 0x03) p.say(500, tests::exception_response(1, 0x03, 4));
+    };
+    const routine_status how = r.drive.run(
+        bare::command{.steps = set_target, .arguments = {300}, .then = command_kind::endless_motion});
+    CHECK(how.error() == errc::timeout);
+    CHECK(how.outcome() == outcome::unknown);
+}
+
 TEST_CASE("G16: of a setpoint of two words that reads back as before, each word is compared with its own") {
     constexpr static step set_both[] = {steps::set_arguments<target, command>()};
     struct scene {
