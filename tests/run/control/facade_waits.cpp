@@ -365,6 +365,21 @@ TEST_CASE("G16, G21: a setpoint without a response that reads back as neither th
     }
 }
 
+TEST_CASE("a drive is absent after three reads of its feedback without a response, not after three writes") {
+    rig r{milliseconds(20)};
+    r.loop(50);
+    r.is_mute = true;
+    r.port.frames.clear();
+    REQUIRE_FALSE(r.drive.run(halting));
+    REQUIRE(r.halts() == 3);
+    CHECK_FALSE(r.drive.is_absent());
+    r.is_mute = false;
+    REQUIRE(r.drive.run(take_over));
+    r.is_mute = true;
+    r.loop(2000);
+    CHECK(r.drive.is_absent());
+}
+
 TEST_CASE("G16: a setpoint that cannot be read back ends as its write: what it has done is not known") {
     rig r;
     REQUIRE(r.drive.run(take_over_witnessed));
