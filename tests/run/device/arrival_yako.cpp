@@ -158,6 +158,17 @@ TEST_CASE_TEMPLATE(
     }
 }
 
+TEST_CASE("G34: a move that has stopped short stays so for minutes") {
+    polled<closed_axis> p;
+    REQUIRE(p.drive.run(move_by{50'000 * pulse, brisk}));
+    p.loop(100);
+    REQUIRE(p.drive.run(halt{}));
+    for (int i = 0; i < 1300; ++i) { // 130 s
+        p.loop(100);
+        REQUIRE(p.drive.arrival().how == arrival_state::stopped_short);
+    }
+}
+
 TEST_CASE_TEMPLATE("G34: after a restart nothing is known of the move before it", A, closed_axis, open_axis) {
     polled<A> p;
     REQUIRE(p.drive.run(move_by{3000 * pulse, brisk}, wait_reached{}).how == arrival_state::reached);
