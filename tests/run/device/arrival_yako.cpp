@@ -310,4 +310,42 @@ TEST_CASE("G34: a homing rests between two legs, also where the time since the s
     CHECK(m.confirm_home(c, words, milliseconds(60'500), known) == errc::not_reached);
 }
 
+TEST_CASE("G34: a limit input that is active is the cause of a stop, also beyond a software limit") {
+    using enum input_function;
+    constexpr std::uint16_t beyond = motion_status::positive_limit_bit;
+    struct scene {
+        std::uint16_t status, inputs;
+        stop_cause cause;
+    };
+    for (const scene& s : {scene{beyond, 0, stop_cause::software_limit},
+                           {beyond, 1, stop_cause::input},
+                           {0, 1, stop_cause::input},
+                           {0, 0, stop_cause::unknown}}) {
+        CAPTURE(s.status);
+        CAPTURE(s.inputs);
+        const std::uint16_t words[11]{0, s.status, s.inputs, 0, 0, 0, 0, static_cast<u16>(positive_limit)};
+        motion_under_way<closed_loop::device> m;
+        m.examine(words);
+        CHECK(m.cause() == s.cause);
+    }
+}
+
+TEST_CASE("G34: a place is no end of the counter's range to a move that goes back from it") {
+    cached_settings known{};
+    known.state = drive_state::enabled;
+    known.is_homed = true;
+    known.has_scale = known.has_profile = true;
+    known.word_order = word_order::high_first;
+    const prepared_command c = move_to{1000 * pulse, brisk}.plan(known);
+    REQUIRE(c.refusal == errc::ok);
+    std::uint16_t words[8]{};
+    words[routines::position_at] = 0x7FFF;
+    words[routines::position_at + 1] = 0xFFFF;
+    motion_under_way<closed_loop::device> m;
+    m.begin(c, words, known);
+    m.keep_goal(c);
+    CHECK(m.arrival_of(words, milliseconds(100), known).how == arrival_state::under_way);
+    CHECK(m.arrival_of(words, milliseconds(300), known).how == arrival_state::stopped_short);
+}
+
 } // namespace arrival_yako_tests
