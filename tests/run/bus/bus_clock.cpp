@@ -58,26 +58,6 @@ TEST_CASE("G19, G29: a bus continues its reads after its clock has jumped") {
     }
 }
 
-TEST_CASE("G36: the values of a read are as old as the first byte of its request") {
-    sim::zlac8015d model;
-    sim::station at_the_drive{model};
-    sim::virtual_line wire{115200};
-    wire.attach(at_the_drive);
-    line on{wire, modbus::timing_at(115200)};
-    bus<plan, decltype(on)> all{on};
-    const duration frames = on.timing().wire_time(8) + on.timing().wire_time(9);
-    std::uint32_t reads = 0;
-    while (reads < 20) {
-        const duration idle = all.step();
-        if (all.count(0) != reads) { // its response has come just now
-            ++reads;
-            CHECK(all.latest<0>(frames).error() == errc::timeout);
-            CHECK(all.latest<0>(milliseconds(20)));
-        }
-        wire.wait(idle.us == 0 ? microseconds(1) : idle);
-    }
-}
-
 namespace {
 struct requests_log {
     std::vector<std::uint8_t> bytes;

@@ -274,9 +274,8 @@ struct silent_rig {
     std::array<std::uint8_t, 8> response{};
 
     /// Runs a request until it has ended. Returns when it began.
-    std::uint64_t run(bytes request, const bus_gaps& gaps, priority how = {},
-                      const std::function<void()>& meanwhile = {}) {
-        exchange x{request, response, timing, limits, how};
+    std::uint64_t run(bytes request, const bus_gaps& gaps, const std::function<void()>& meanwhile = {}) {
+        exchange x{request, response, timing, limits};
         const std::size_t before = port.begun.size();
         while (!x.done()) {
             (void)on.step(x, gaps);
@@ -297,7 +296,7 @@ TEST_CASE("G2: a timeout that a clock which goes back has caused is early: the r
         silent_rig r;
         r.limits.response = milliseconds(200);
         const bus_gaps gaps{.quarantine = milliseconds(50)};
-        const std::uint64_t first = r.run(read_one, gaps, {}, [&r, goes_back] {
+        const std::uint64_t first = r.run(read_one, gaps, [&r, goes_back] {
             if (goes_back && r.port.offset == 0) r.port.offset = 0u - 500'000u;
         });
         const std::uint64_t ended = r.port.time;
@@ -306,20 +305,6 @@ TEST_CASE("G2: a timeout that a clock which goes back has caused is early: the r
         CHECK(second - first >= 250'000);
         CHECK(second - first < 270'000);
     }
-}
-
-TEST_CASE("G2, G19: a stop waits for no quarantine, and does not shorten that of another node") {
-    silent_rig r;
-    r.limits.response = milliseconds(10);
-    (void)r.run(read_one, {.quarantine = milliseconds(300)});
-    const std::uint64_t ended = r.port.time;
-    const std::uint64_t stopped = r.run(stop, {.quarantine = milliseconds(20)}, priority::stop);
-    CHECK(stopped - ended < 5'000);
-    const std::uint64_t stop_ended = r.port.time;
-    const std::uint64_t next = r.run(read_other, {.quarantine = milliseconds(20)});
-    CHECK(next - stop_ended >= 299'000);
-    const std::uint64_t next_ended = r.port.time;
-    CHECK(r.run(read_other, {.quarantine = milliseconds(20)}) - next_ended < 25'000);
 }
 
 } // namespace line_leftovers_tests
