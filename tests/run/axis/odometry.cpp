@@ -167,6 +167,21 @@ TEST_CASE("a pose that is set drops what is left of the steps before") {
     }
 }
 
+TEST_CASE("a step that is not added leaves no rest either") {
+    for (uint32_t i = 1; i < 50; ++i) {
+        CAPTURE(i);
+        odometry late = started();
+        odometry told = started();
+        REQUIRE(late.update(i, 0u - i, {1}));
+        REQUIRE(told.update(i, 0u - i, {1}));
+        CHECK_FALSE(late.update(i + 100, 0u - i - 100, {200'001})); // 4 mm in 0.2 s
+        told.restart(i + 100, 0u - i - 100);
+        (void)late.update(i + 101, 0u - i - 101, {200'002});
+        (void)told.update(i + 101, 0u - i - 101, {200'002});
+        CHECK(late.pose().x_fine == told.pose().x_fine);
+    }
+}
+
 TEST_CASE("the heading depends on the net counts only, whatever the way") {
     std::mt19937 random{47};
     both steps{uneven};

@@ -4,7 +4,9 @@
 // A bus whose clock jumps or stops: its reads continue, and its blocking calls end.
 #include <doctest/doctest.h>
 
+#include <array>
 #include <cstdint>
+#include <vector>
 
 #include <tests/support/driven_wheels_and_lift.hpp>
 #include <tests/support/scripted_port.hpp>
@@ -53,6 +55,44 @@ TEST_CASE("G19, G29: a bus continues its reads after its clock has jumped") {
             wire.wait(idle.us == 0 ? microseconds(1) : idle);
         }
         CHECK(all.count(0) - before >= 10);
+    }
+}
+
+namespace {
+struct requests_log {
+    std::vector<std::uint8_t> bytes;
+
+    static void note(void* self, const sim::wire_byte& b) {
+        if (b.is_from_client) static_cast<requests_log*>(self)->bytes.push_back(b.value);
+    }
+};
+} // namespace
+
+TEST_CASE("G28: the numbers of the queue wrap, and the one that has waited longest is next all the same") {
+    // Begins after so many exchanges of an earlier part of the program, which were given up.
+    const auto requests_after = [](unsigned earlier) {
+        tests::wheels_and_lift there;
+        tests::wheels_and_lift_program program{there.wire};
+        const auto request = modbus::read_frame(1, 0x20A2, 1);
+        const response_limits limits{};
+        std::array<std::uint8_t, 7> response{};
+        for (unsigned i = 0; i < earlier; ++i) {
+            modbus::exchange x{request, response, program.on.timing(), limits};
+            (void)program.on.step_now(x, {});
+            program.on.abandon(x);
+        }
+        REQUIRE(program.command(program.wheels, init{}));
+        REQUIRE(program.command(program.lift, init{}));
+        requests_log log;
+        there.wire.set_hook(&requests_log::note, &log);
+        program.run(2000);
+        return log.bytes;
+    };
+    const std::vector<std::uint8_t> usual = requests_after(0);
+    CHECK(usual.size() > 8 * 200);
+    for (unsigned wraps_at = 50; wraps_at < 250; wraps_at += 7) {
+        CAPTURE(wraps_at);
+        CHECK(requests_after(0xFFFE - wraps_at) == usual);
     }
 }
 

@@ -347,6 +347,36 @@ TEST_CASE("what a command may have changed decides whether the state is known af
     }
 }
 
+TEST_CASE("G26: of several stops that were not confirmed the one of the highest priority is repeated") {
+    rig r;
+    const auto open = [&r] { return r.drive.machine().slot().supervisors().open_stop(); };
+    r.is_mute = true;
+    REQUIRE_FALSE(r.drive.run(halting));
+    CHECK(open() == stop_priority::halt);
+    REQUIRE_FALSE(r.drive.run(disabling));
+    CHECK(open() == stop_priority::disable);
+    REQUIRE_FALSE(r.drive.run(quick_stopping));
+    CHECK(open() == stop_priority::quick_stop);
+    REQUIRE_FALSE(r.drive.run(halting));
+    CHECK(open() == stop_priority::quick_stop);
+    r.is_mute = false;
+    REQUIRE(r.drive.run(halting));
+    CHECK(open() == stop_priority::no_stop);
+}
+
+TEST_CASE("G20: a disable that was not confirmed leaves the command timeout running") {
+    rig r;
+    r.drive.set_command_timeout(milliseconds(300));
+    r.drive.repeat_stops({});
+    REQUIRE(r.drive.run(move));
+    r.is_mute = true;
+    REQUIRE_FALSE(r.drive.run(disabling));
+    r.is_mute = false;
+    r.port.frames.clear();
+    r.loop(400);
+    CHECK(r.halts() == 1);
+}
+
 TEST_CASE("G26: another command timeout leaves the period of repeated stops that the program has set") {
     for (const bool is_set : {false, true}) {
         CAPTURE(is_set);

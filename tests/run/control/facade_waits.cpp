@@ -301,6 +301,14 @@ TEST_CASE("the cause of a stop counts until the next motion") {
     CHECK(r.drive.cause() == stop_cause::unknown);
 }
 
+TEST_CASE("a stop of the program is the cause though its response is lost: it may have arrived") {
+    rig r;
+    REQUIRE(r.drive.run(move));
+    r.is_mute = true;
+    REQUIRE(r.drive.run(halting).outcome() == outcome::unknown);
+    CHECK(r.drive.cause() == stop_cause::command);
+}
+
 TEST_CASE("G21: a command that asks for the witness of a drive of which nothing is known ends with its first "
           "response") {
     rig r;
@@ -355,6 +363,33 @@ TEST_CASE("G16, G21: a setpoint without a response that reads back as neither th
         if (found != 300) CHECK(got.has_changed); // the write before the read-back
         if (found != 300) CHECK(got.outcome() == outcome::unknown);
     }
+}
+
+TEST_CASE("a drive is absent after three reads of its feedback without a response, not after three writes") {
+    rig r{milliseconds(20)};
+    r.loop(50);
+    r.is_mute = true;
+    r.port.frames.clear();
+    REQUIRE_FALSE(r.drive.run(halting));
+    REQUIRE(r.halts() == 3);
+    CHECK_FALSE(r.drive.is_absent());
+    r.is_mute = false;
+    REQUIRE(r.drive.run(take_over));
+    r.is_mute = true;
+    r.loop(2000);
+    CHECK(r.drive.is_absent());
+}
+
+TEST_CASE("G16: a setpoint that cannot be read back ends as its write: what it has done is not known") {
+    rig r;
+    REQUIRE(r.drive.run(take_over_witnessed));
+    r.port.device = [](tests::scripted_port& p, const sent_frame& f) {
+        if (f.data[1] == 0x03) p.say(500, tests::exception_response(1, 0x03, 4));
+    };
+    const routine_status how = r.drive.run(
+        bare::command{.steps = set_target, .arguments = {300}, .then = command_kind::endless_motion});
+    CHECK(how.error() == errc::timeout);
+    CHECK(how.outcome() == outcome::unknown);
 }
 
 TEST_CASE("G16: of a setpoint of two words that reads back as before, each word is compared with its own") {

@@ -69,6 +69,22 @@ TEST_CASE_TEMPLATE("G34: a move that reaches its target says so, whatever its ki
     CHECK(a.place() == target + 500);
 }
 
+TEST_CASE("a wait goes on however many responses are lost, as long as others come between") {
+    closed_axis a;
+    take(a);
+    REQUIRE(a.drive.run(move_by{50'000 * pulse, brisk}));
+    REQUIRE(a.drive.begin(wait_reached{}) == errc::ok);
+    const std::size_t before = a.requests.size();
+    while (!a.drive.is_idle()) {
+        a.wire.faults().lost_response = (a.requests.size() - before) % 6 == 5 ? 1000 : 0;
+        const duration idle = a.drive.step();
+        a.wire.wait(idle.us == 0 ? microseconds(10) : idle);
+    }
+    REQUIRE(a.requests.size() - before > 4 * 6); // more than a read is repeated
+    CHECK(a.drive.last());
+    CHECK(a.drive.arrival().how == arrival_state::reached);
+}
+
 TEST_CASE("G34: a move that is refused has no arrival, and last() says why") {
     closed_axis a;
     take(a);
@@ -139,6 +155,17 @@ TEST_CASE_TEMPLATE(
         while (p.drive.cause() != stop_cause::fault) p.loop(1);
         CHECK(p.drive.arrival().how == arrival_state::stopped_short);
         CHECK(p.drive.arrival().cause == stop_cause::fault);
+    }
+}
+
+TEST_CASE("G34: a move that has stopped short stays so for minutes") {
+    polled<closed_axis> p;
+    REQUIRE(p.drive.run(move_by{50'000 * pulse, brisk}));
+    p.loop(100);
+    REQUIRE(p.drive.run(halt{}));
+    for (int i = 0; i < 1300; ++i) { // 130 s
+        p.loop(100);
+        REQUIRE(p.drive.arrival().how == arrival_state::stopped_short);
     }
 }
 
@@ -281,6 +308,44 @@ TEST_CASE("G34: a homing rests between two legs, also where the time since the s
     CHECK(m.confirm_home(c, words, milliseconds(60'000), known) == errc::busy);
     CHECK(m.confirm_home(c, words, milliseconds(60'499), known) == errc::busy);
     CHECK(m.confirm_home(c, words, milliseconds(60'500), known) == errc::not_reached);
+}
+
+TEST_CASE("G34: a limit input that is active is the cause of a stop, also beyond a software limit") {
+    using enum input_function;
+    constexpr std::uint16_t beyond = motion_status::positive_limit_bit;
+    struct scene {
+        std::uint16_t status, inputs;
+        stop_cause cause;
+    };
+    for (const scene& s : {scene{beyond, 0, stop_cause::software_limit},
+                           {beyond, 1, stop_cause::input},
+                           {0, 1, stop_cause::input},
+                           {0, 0, stop_cause::unknown}}) {
+        CAPTURE(s.status);
+        CAPTURE(s.inputs);
+        const std::uint16_t words[11]{0, s.status, s.inputs, 0, 0, 0, 0, static_cast<u16>(positive_limit)};
+        motion_under_way<closed_loop::device> m;
+        m.examine(words);
+        CHECK(m.cause() == s.cause);
+    }
+}
+
+TEST_CASE("G34: a place is no end of the counter's range to a move that goes back from it") {
+    cached_settings known{};
+    known.state = drive_state::enabled;
+    known.is_homed = true;
+    known.has_scale = known.has_profile = true;
+    known.word_order = word_order::high_first;
+    const prepared_command c = move_to{1000 * pulse, brisk}.plan(known);
+    REQUIRE(c.refusal == errc::ok);
+    std::uint16_t words[8]{};
+    words[routines::position_at] = 0x7FFF;
+    words[routines::position_at + 1] = 0xFFFF;
+    motion_under_way<closed_loop::device> m;
+    m.begin(c, words, known);
+    m.keep_goal(c);
+    CHECK(m.arrival_of(words, milliseconds(100), known).how == arrival_state::under_way);
+    CHECK(m.arrival_of(words, milliseconds(300), known).how == arrival_state::stopped_short);
 }
 
 } // namespace arrival_yako_tests

@@ -105,6 +105,20 @@ TEST_CASE("the rest of each axis is kept over other commands") {
     }
 }
 
+TEST_CASE("a move that the drive refuses leaves no rest") {
+    rig r{belt, belt};
+    r.enable_for(operating_mode::relative_position);
+    REQUIRE(r.belts.left().run(travel_by{10_mm}, wait_reached{}).how == arrival_state::reached);
+    for (int i = 0; i < 2; ++i) {
+        r.model.refuses = true;
+        CHECK(r.belts.left().run(travel_by{10_mm}).error() == errc::exception);
+        r.model.refuses = false;
+    }
+    REQUIRE(r.belts.state() == drive_state::enabled);
+    REQUIRE(r.belts.left().run(travel_by{10_mm}, wait_reached{}).how == arrival_state::reached);
+    CHECK(r.model.left().target == 341 + 342); // of 341.3 counts each, and without a rest of the two between
+}
+
 TEST_CASE("what each axis misses is its own") {
     rig r;
     r.enable_for(operating_mode::relative_position);

@@ -332,4 +332,40 @@ TEST_CASE("G34: COIN within 50 ms of a start is that of the move before") {
     CHECK(m.confirm(status_flags::from_word(0), milliseconds(900)) == errc::busy);
 }
 
+TEST_CASE(
+    "an enable waits for the delay after the brake's release, a disable for the one after its application") {
+    const std::array<u16, model::blocks.image().words> released{status_flags::brake_bit |
+                                                                status_flags::ready_bit};
+    cached_settings known{};
+    known.state = drive_state::disabled;
+    known.brake_delay_ms = 300;
+    known.power_off_delay_ms = 80;
+    model m;
+    const auto confirmed_after = [&](effect then, std::uint32_t ms) {
+        const prepared_command c{.steps = no_steps, .then = then};
+        return m.confirm(c, {.image = released.data(), .words = {}, .waited = milliseconds(ms)}, known);
+    };
+    for (const effect e : {effect::enabled, effect::runs_speed_segments}) {
+        CHECK(confirmed_after(e, 309) == errc::busy);
+        CHECK(confirmed_after(e, 310) == errc::ok);
+    }
+    for (const effect e : {effect::disabled, effect::quick_stopped}) {
+        CHECK(confirmed_after(e, 89) == errc::busy);
+        CHECK(confirmed_after(e, 90) == errc::ok);
+    }
+}
+
+TEST_CASE(
+    "G34: a relative way counts from where the move before was to end, not from where the motor rests") {
+    using namespace routines;
+    std::uint16_t words[steps::max_words]{};
+    words[before_word] = 1000; // low first
+    words[deviation_before_word] = 30;
+    motion_under_way m;
+    m.begin(500, false, words, word_order::low_first);
+    CHECK(m.missing_at(1000).count() == 530);
+    m.begin(500, true, words, word_order::low_first);
+    CHECK(m.missing_at(1000).count() == -500);
+}
+
 } // namespace model_c630s_tests

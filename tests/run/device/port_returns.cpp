@@ -112,6 +112,25 @@ TEST_CASE_TEMPLATE("G45: a drive that was seen at rest is sent nothing as its po
     CHECK(live(s, 3000) == 0);
 }
 
+TEST_CASE("G45: a disable that the lost port did not take is what stops the drive as it returns") {
+    for (const bool is_disabled : {true, false}) {
+        CAPTURE(is_disabled);
+        stepper s;
+        s.take();
+        s.begin_motion();
+        (void)live(s, 400);
+        REQUIRE(s.moves());
+        s.wire.unplug();
+        const errc why = is_disabled ? s.drive.run(disable{}).error() : s.drive.run(read_feedback{}).error();
+        CHECK(why == errc::port_lost);
+        s.wire.plug();
+        (void)live(s, 3000);
+        CHECK_FALSE(s.moves());
+        REQUIRE(s.drive.run(init{}));
+        CHECK(s.drive.state() == (is_disabled ? drive_state::disabled : drive_state::enabled));
+    }
+}
+
 TEST_CASE("G45: a move that a wait has seen at its target is not stopped, one that was not is") {
     for (const bool waits : {true, false}) {
         CAPTURE(waits);

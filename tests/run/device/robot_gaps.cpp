@@ -330,4 +330,123 @@ TEST_CASE("an enable in another mode, and one that loses a response, is no resta
     }
 }
 
+namespace {
+
+/// A robot's model and the images that it is given.
+struct told_model {
+    using model = zlac8015d::robot_model;
+    struct wheels {
+        std::int32_t left, right; ///< positions
+        std::int16_t left_speed = 0, right_speed = 0;
+    };
+    struct image {
+        std::uint16_t words[image_block<model>.words]{};
+
+        explicit image(const wheels& of) {
+            put<zlac8015d::left_actual_position>(of.left);
+            put<zlac8015d::right_actual_position>(of.right);
+            words[model::image::place_of<zlac8015d::left_actual_speed>] =
+                static_cast<std::uint16_t>(of.left_speed);
+            words[model::image::place_of<zlac8015d::right_actual_speed>] =
+                static_cast<std::uint16_t>(of.right_speed);
+        }
+        template <const auto& Row> void put(std::int32_t position) {
+            const auto bits = static_cast<std::uint32_t>(position);
+            words[model::image::place_of<Row>] = static_cast<std::uint16_t>(bits >> 16);
+            words[model::image::place_of<Row> + 1] = static_cast<std::uint16_t>(bits);
+        }
+    };
+
+    model m{};
+    zlac8015d::cached_settings known{};
+    std::uint32_t us = 0;
+
+    told_model() {
+        m.set_base(base);
+        known.state = drive_state::enabled;
+        known.mode = zlac8015d::operating_mode::velocity;
+        known.resolution = 10;
+        known.max_speed = 1000;
+    }
+    void note(const wheels& at, duration gap = 20_ms) {
+        const image now{at};
+        m.note({.block = 0, .words = now.words, .taken = instant{us += gap.us}, .epoch = 7}, known);
+    }
+    bool has_fallen(const wheels& from, const wheels& to) const {
+        const image before{from}, now{to};
+        return m.has_fallen({.block = 0, .words = now.words, .before = before.words, .between = 20_ms},
+                            known);
+    }
+    /// A twist that the drive acknowledges, or refuses.
+    void drive(const twist& by, bool is_refused = false) {
+        zlac8015d::prepared_command c = zlac8015d::detail::twist_of{base, by}.plan(known);
+        REQUIRE(c.refusal == errc::ok);
+        REQUIRE(m.admit(c, {}) == errc::ok);
+        duration watchdog{};
+        response_limits limits{};
+        const routine_status how{status::sent(is_refused ? errc::exception : errc::ok)};
+        (void)m.learn(c, {!is_refused, c.steps, how, {}, watchdog, limits}, known);
+    }
+};
+
+} // namespace
+
+TEST_CASE("G39: a restart puts both wheels to zero: one that is far from it shows that there was none") {
+    const told_model t;
+    CHECK(t.has_fallen({10, -10, 100, -100}, {12, -12, 100, -100}));
+    CHECK_FALSE(t.has_fallen({10, -40'000, 100, -100}, {12, -40'014, 100, -100}));
+    CHECK_FALSE(t.has_fallen({40'000, -10, 100, -100}, {40'014, -12, 100, -100}));
+}
+
+TEST_CASE("G39: a robot at its origin that is to move may have restarted, however often it was read since") {
+    told_model t;
+    t.note({2, -2});
+    CHECK_FALSE(t.has_fallen({2, -2}, {0, 0}));
+    t.drive({100_mm_per_s, 0_rad_per_s});
+    for (int i = 0; i < 3; ++i) {
+        CHECK(t.has_fallen({2, -2}, {0, 0}));
+        t.note({2, -2});
+    }
+    t.drive({});
+    CHECK(t.has_fallen({2, -2}, {0, 0}));
+    t.note({2, -2});
+    CHECK_FALSE(t.has_fallen({2, -2}, {0, 0}));
+}
+
+TEST_CASE("G43: a twist that the drive has refused is a new one when it comes again") {
+    for (const bool is_refused : {false, true}) {
+        CAPTURE(is_refused);
+        told_model t;
+        const twist by{600_mm_per_s, 0_rad_per_s}; // 67.4 r/min: 92 counts in 20 ms
+        t.drive(by, is_refused);
+        t.note({0, 0, 674, -674});
+        t.note({92, -92, 674, -674});
+        REQUIRE(t.m.pose().is_continuous);
+        t.drive(by);
+        t.note({92 + 1380, -92 - 1380, 674, -674}, 300_ms);
+        CHECK(t.m.pose().is_continuous == !is_refused); // it may have bent the path
+    }
+}
+
+TEST_CASE("G43: an acceleration counts in steps of 100 r/min in a second, of which the last is whole") {
+    const auto kept = [](zlac8015d::speed in_a_second) {
+        unsigned n = 0;
+        for (std::uint32_t gap = 60; gap <= 240; gap += 5) {
+            rig r{true, milliseconds(gap)};
+            r.robot.set_acceleration(in_a_second);
+            r.go({700_mm_per_s, 0_rad_per_s}, 3 * gap);
+            r.robot.set_pose(r.robot.pose());
+            (void)r.robot.begin(twist{701_mm_per_s, 0_rad_per_s});
+            r.live(milliseconds(2 * gap));
+            n += r.robot.pose().is_continuous;
+        }
+        return n;
+    };
+    const unsigned least = kept(zlac8015d::speed{100 * units::r_per_min});
+    CHECK(least > kept(zlac8015d::speed{101 * units::r_per_min}));
+    CHECK(kept(zlac8015d::speed{101 * units::r_per_min}) == kept(zlac8015d::speed{200 * units::r_per_min}));
+    CHECK(kept(zlac8015d::speed{}) == least);
+    CHECK(kept(zlac8015d::speed{200 * units::r_per_min}) > kept(zlac8015d::speed{500 * units::r_per_min}));
+}
+
 } // namespace robot_gaps_tests

@@ -9,6 +9,7 @@
 #include <array>
 #include <cstdint>
 #include <functional>
+#include <vector>
 
 #include <servobus/line/line.hpp>
 
@@ -246,6 +247,64 @@ TEST_CASE("a request that left while the program was stopped is not a truncated 
     CHECK(x.was_sent());
     CHECK(x.status().error() != errc::partial_send);
     CHECK(r.port.frames.size() == 1);
+}
+
+namespace {
+
+/// A port whose clock the test sets back; nothing responds. Notes when requests begin.
+struct clock_port {
+    std::uint64_t time = 1'000'000;
+    std::uint32_t offset = 0;
+    std::vector<std::uint64_t> begun{};
+
+    transfer send(bytes out) {
+        begun.push_back(time);
+        return static_cast<std::uint16_t>(out.size());
+    }
+    static bool sent() { return true; }
+    static transfer receive(byte_buffer) { return std::uint16_t{0}; }
+    instant now() const { return instant{static_cast<std::uint32_t>(time) + offset}; }
+};
+
+struct silent_rig {
+    clock_port port{};
+    modbus::rtu_timing timing = modbus::timing_at(115200);
+    line<clock_port> on{port, timing};
+    response_limits limits{};
+    std::array<std::uint8_t, 8> response{};
+
+    /// Runs a request until it has ended. Returns when it began.
+    std::uint64_t run(bytes request, const bus_gaps& gaps, const std::function<void()>& meanwhile = {}) {
+        exchange x{request, response, timing, limits};
+        const std::size_t before = port.begun.size();
+        while (!x.done()) {
+            (void)on.step(x, gaps);
+            if (meanwhile && x.state() == exchange::phase::awaiting) meanwhile();
+            port.time += 100;
+        }
+        REQUIRE(x.status().error() == errc::timeout);
+        REQUIRE(port.begun.size() == before + 1);
+        return port.begun.back();
+    }
+};
+
+} // namespace
+
+TEST_CASE("G2: a timeout that a clock which goes back has caused is early: the response may still come") {
+    for (const bool goes_back : {false, true}) {
+        CAPTURE(goes_back);
+        silent_rig r;
+        r.limits.response = milliseconds(200);
+        const bus_gaps gaps{.quarantine = milliseconds(50)};
+        const std::uint64_t first = r.run(read_one, gaps, [&r, goes_back] {
+            if (goes_back && r.port.offset == 0) r.port.offset = 0u - 500'000u;
+        });
+        const std::uint64_t ended = r.port.time;
+        CHECK((ended - first < 10'000) == goes_back);
+        const std::uint64_t second = r.run(read_other, gaps);
+        CHECK(second - first >= 250'000);
+        CHECK(second - first < 270'000);
+    }
 }
 
 } // namespace line_leftovers_tests

@@ -364,4 +364,18 @@ TEST_CASE("has_received() is true after a response in one piece, as after one by
     }
 }
 
+TEST_CASE("G30: a broadcast awaits no function alone, and a gateway's refusal only where it has room") {
+    for (const std::size_t room : {4u, 8u}) {
+        CAPTURE(room);
+        const byte_list request = framed({0x00, 0x42});
+        std::array<std::uint8_t, 8> buffer{};
+        exchange x{request, byte_buffer{buffer}.first(room), host, usual};
+        REQUIRE(x.state() == exchange::phase::ready);
+        x.expect_function_alone();
+        CHECK(x.response_size() == (room < 5 ? 0 : room));
+        x.sent_to_gateway({1000});
+        CHECK(x.state() == (room < 5 ? exchange::phase::turnaround : exchange::phase::awaiting));
+    }
+}
+
 } // namespace exchange_tests
