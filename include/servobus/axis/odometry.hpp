@@ -87,7 +87,7 @@ class odometry {
         const auto way = static_cast<std::int32_t>((left < right ? right : left) >> 31); // 2^-8 um
         const std::int64_t theta = turned >> 8;                                          // 2^-32 turn
         constexpr std::uint32_t most_beside = 30'557; // 0.75 mm rad, in 2^-8 um turn
-        return theta < 1 << 30 &&
+        return theta < std::int64_t{1} << 30 &&
                !detail::is_beyond(detail::high_product(way, static_cast<std::int32_t>(theta)), most_beside);
     }
 

@@ -199,7 +199,7 @@ template <class Line> class robot : public basic_drive<Line, robot_model> {
     /// shapes the twists and the drive its ramps. A lower one keeps the pose over longer gaps in which the twist
     /// changes.
     constexpr void set_acceleration(speed in_a_second) {
-        constexpr std::uint32_t step = 100 * 2520; // counts of a tenth of a r/min in a millisecond
+        constexpr std::uint32_t step = 252'000u; // counts of a tenth of a r/min in a millisecond
         const auto counts = static_cast<std::uint32_t>(in_a_second.count() < 0 ? 0 : in_a_second.count());
         std::uint32_t tenths = 1;
         while (tenths < 255 && tenths * step < counts) ++tenths;

@@ -68,7 +68,9 @@ class wheel_step {
         const std::int32_t a = magnitude(from_), b = magnitude(to_);
         return a < b ? b : a;
     }
-    static constexpr std::uint32_t at_most_4_s(duration d) { return d.us >> 22 != 0 ? 1u << 22 : d.us; }
+    static constexpr std::uint32_t at_most_4_s(duration d) {
+        return d.us >> 22 != 0 ? std::uint32_t{1} << 22 : d.us;
+    }
     // The counts in a time at a speed: tenths * us * counts / 600 000 000. 2^12 / 600 000 000 is 58 641 / 2^33.
     static constexpr std::int32_t way(std::int16_t tenths, duration in, std::uint32_t counts_per_turn) {
         const std::int64_t parts = std::int64_t{tenths} * at_most_4_s(in) * counts_per_turn >> 12;
