@@ -308,4 +308,31 @@ TEST_CASE("5.4: a set_input_move that is interrupted at any frame leaves the old
     }
 }
 
+TEST_CASE("G26: a disable that is open is still repeated after the command timeout has stopped the motor") {
+    for (const std::uint32_t timeout : {200u, 500u, 2000u}) {
+        CAPTURE(timeout);
+        simulated::closed_axis a;
+        enabled_yako::take(a);
+        a.drive.set_command_timeout(milliseconds(timeout));
+        const auto live = [&](std::uint32_t ms) {
+            const std::uint64_t end = a.wire.time_us() + ms * 1000u;
+            while (a.wire.time_us() < end) a.turn();
+        };
+        REQUIRE(a.drive.run(yako::velocity{60 * units::r_per_min}));
+        live(100);
+        a.wire.faults().lost_request = 1000;
+        REQUIRE(a.drive.begin(disable{}) == errc::ok);
+        for (unsigned i = 0; !a.drive.is_idle(); ++i) {
+            REQUIRE(i < 10'000);
+            live(1);
+        }
+        REQUIRE_FALSE(a.drive.last());
+        a.wire.faults() = {};
+        live(10'000);
+        CHECK_FALSE(a.model.enabled());
+        REQUIRE(a.drive.run(init{}));
+        CHECK(a.drive.state() == drive_state::disabled);
+    }
+}
+
 } // namespace drive_yako_faults_stops_tests

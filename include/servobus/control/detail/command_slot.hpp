@@ -142,7 +142,8 @@ template <class Model> class command_slot {
     constexpr void note_stop(const routine_status& r, instant now) {
         if (r && command_.stop >= stop_priority::disable) supervisors_.end_watch();
         const stop_priority open = supervisors_.open_stop();
-        if (r)
+        // The halt of the command timeout ends no disable that is open.
+        if (r && (command_.stop >= open || owner_ != owner::supervisor))
             supervisors_.close_stop();
         else
             supervisors_.open_stop(command_.stop < open ? open : command_.stop, run_.urgent_left(),
