@@ -115,8 +115,10 @@ inline constexpr step init[] = {
     steps::fetch<brake_on_to_command_delay, brake_off_to_power_off_delay>(brake_delay_word),
 };
 
-/// After an `init` without a response: each stop of another one would be kept in the EEPROM once more.
-inline constexpr auto init_again = joined(spare_first, init);
+/// After an `init` without a response, whose stops would be kept in the EEPROM once more. Servo off goes first and is kept: a
+/// servo-on that a restart has let into the EEPROM is taken back.
+inline constexpr step servo_off_first[] = {servo_off};
+inline constexpr auto init_again = joined(servo_off_first, spare_first, init);
 
 /// The set-up, block by block: the shift chooses the block.
 inline constexpr step look_at_block[] = {
@@ -264,12 +266,11 @@ inline constexpr step halt_jog[] = {
     steps::expect_zero<target_speed, jog_speed>(errc::needs_init), // a restart brings others back
     until_standstill, wears_nothing,
 };
-/// Every means, for a drive of which nothing is known, that no program asks to stop: P0D-05 and P0C-13 wear nothing,
-/// and what follows them does not either.
-inline constexpr step stop_at_once_first[] = {stop_at_once};
 /// Every means, for a drive of which nothing is known, or that has a fault.
 inline constexpr step stop_all[]   = {servo_off, stop_by_targets, zero_torque, read_back_inputs, until_standstill, until_power_off};
-inline constexpr auto stop_all_sparing = joined(stop_at_once_first, spare_first, stop_all);
+/// The same where no program asks for it. P0D-05 wears nothing, servo off is kept once, and P0C-13 spares the rest.
+inline constexpr step stop_all_sparing[] = {
+    stop_at_once, servo_off, spare_first[0], stop_by_targets, zero_torque, read_back_inputs, until_standstill, until_power_off};
 inline constexpr step stop_all_marked[] = {stop_at_once, stop_by_targets, zero_torque, has_kept_marker, servo_off_marked, has_marker, until_standstill, until_power_off};
 /// Whether P0D-05 goes back to 0 by itself is not stated: no old target may be left then.
 inline constexpr step quick_stop[] = {stop_at_once, stop_by_targets, zero_torque, until_standstill};
