@@ -29,7 +29,7 @@ inline double value_of(const hardware_interface::StateInterface& of) {
 #endif
 }
 
-/// What the framework gives to `on_init`.
+/// The argument that the framework gives to `on_init`.
 #ifdef STAND_IN_JAZZY
 inline hardware_interface::HardwareComponentInterfaceParams
 parameters_of(const hardware_interface::HardwareInfo& info) {

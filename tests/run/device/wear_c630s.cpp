@@ -1,9 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// What tries again around a C630S as from the factory, which keeps each write in its EEPROM: the EEPROM writes of an
-// hour with no response, whatever part of the requests arrives. Judged by the simulated drive's count and by the
-// frames.
+// The EEPROM writes of a C630S as from the factory, which keeps each write, by what tries again in an hour without a
+// response, whatever part of the requests arrives. Judged by the simulated drive's count and by the frames.
 #include <cstdint>
 #include <vector>
 

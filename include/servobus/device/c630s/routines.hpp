@@ -115,8 +115,8 @@ inline constexpr step init[] = {
     steps::fetch<brake_on_to_command_delay, brake_off_to_power_off_delay>(brake_delay_word),
 };
 
-/// After an `init` without a response, whose stops would be kept in the EEPROM once more. Servo off goes first and is kept: a
-/// servo-on that a restart has let into the EEPROM is taken back.
+/// After an `init` without a response, whose stops the EEPROM would keep once more. Servo off goes first and is kept: it
+/// takes back a servo-on that a restart has let into the EEPROM.
 inline constexpr step servo_off_first[] = {servo_off};
 inline constexpr auto init_again = joined(servo_off_first, spare_first, init);
 
