@@ -190,6 +190,26 @@ struct event_counts {
                     static_cast<unsigned long long>(crc_chances));
     }
 
+    /// Each kind of strike, and writes that an adapter returned after a failure, were played as often as 1000 runs of all
+    /// kinds demand, and in proportion for others. Prints those that were not. Fewer runs have no floor.
+    bool has_struck_all() const {
+        if (runs < 1000) return true;
+        bool is_met = true;
+        const auto check = [&](const char* what, std::uint64_t n, std::uint64_t in_1000) {
+            if (n >= in_1000 * runs / 1000) return;
+            is_met = false;
+            std::printf("sim: %s: only %llu\n", what, static_cast<unsigned long long>(n));
+        };
+        for (std::size_t i = 0; i < strikes; ++i) {
+            const auto kind = static_cast<strike>(i);
+            const bool is_rare =
+                kind == strike::clock_wrap || kind == strike::long_rest || kind == strike::clock_stopped;
+            check(text(kind), struck[i], is_rare ? 5 : 100);
+        }
+        check("writes returned after a failure", detected_returns, 25);
+        return is_met;
+    }
+
     /// Each position of each drive's switches was met by at least `least` transactions, and each place by
     /// at least `least` stalls during requests to each drive. Prints those that were not.
     bool has_met_all(std::uint64_t least) const {

@@ -122,7 +122,7 @@ int run_many(std::uint64_t from, std::uint64_t seeds, std::uint64_t least) {
         if (seed % 50 == 0 && !replays(seed, e.hash)) return 1;
     }
     count.print();
-    const bool has_met = count.has_met_all(least);
+    const bool has_met = count.has_met_all(least) && (!only.empty() || count.has_struck_all());
     return has_met && count.lives.has_met_floors(seeds, only.empty()) ? 0 : 1;
 }
 

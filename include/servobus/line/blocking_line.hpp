@@ -173,8 +173,8 @@ class blocking_line : modbus::gathering<std::uint8_t, Lengths> {
     constexpr void begin_epoch(std::uint8_t node_address) { epochs_.count_miss(node_address); }
     /// The length of the last response, in bytes: of one that is as long as a rule says.
     constexpr std::size_t response_size() const { return length_; }
-    /// True once something was answered that no echo can be, until a request gets no valid response; see
-    /// `line::is_echo_ruled_out`. One flag serves all nodes.
+    /// True from a response on that no echo can be, until a request is not answered by exactly one valid response;
+    /// see `line::is_echo_ruled_out`. One flag serves all nodes.
     constexpr bool is_echo_ruled_out(std::uint8_t /*node_address*/ = 0) const { return is_echo_ruled_out_; }
 
     /// Runs `x` to its end: polls, or sleeps if the port can. Returns how it ended, within `bound`, whatever
@@ -236,8 +236,8 @@ class blocking_line : modbus::gathering<std::uint8_t, Lengths> {
     static constexpr int nothing = -1;
     static constexpr int over = -2;
     static constexpr std::uint8_t more =
-        0xFF; // bytes than a response that could be the request's beginning has
-    static constexpr int noise = 0x55;
+        0xFF;                           // bytes than a response that could be the request's beginning has
+    static constexpr int noise = 0x100; // a garbled byte
     static constexpr bool is_glitch(int received) { return received == 0x00 || received == 0xFF; }
     static constexpr bool is_past(duration left) { return static_cast<std::int32_t>(left.us) < 0; }
 
@@ -288,8 +288,8 @@ class blocking_line : modbus::gathering<std::uint8_t, Lengths> {
                 ended_.end(errc::ok);
                 idle_ = after_error;
             }
+            if (idle_ != after_error) is_echo_ruled_out_ = false; // not by exactly one valid response
         }
-        if (idle_ != after_error) is_echo_ruled_out_ = false; // it has not ended cleanly
         if (owes) idle_ = {};
         return ended_;
     }
@@ -332,6 +332,7 @@ class blocking_line : modbus::gathering<std::uint8_t, Lengths> {
     // Waits for the gap and sends. What is received meanwhile is no response. True once the request has left.
     template <class Gaps> constexpr bool leave(const Gaps& wanted, bool is_stop, bool& owes) {
         std::size_t left = size_;
+        std::size_t echoed = 0; // bytes that came back while it left
         left_ = {};
         ended_ = errc::line_busy;
         if (last_ == instant{}) last_ = now();
@@ -358,6 +359,11 @@ class blocking_line : modbus::gathering<std::uint8_t, Lengths> {
                     ended_.end(errc::send_failed);
                     left_ = busy_limit(wanted.gap);
                 }
+            } else if (received == noise || (echoed < size_ && received == request_[echoed])) {
+                ++echoed;
+            } else if (received > 0 && !is_glitch(received)) {
+                same_ = 0; // a frame of another node: in its rest no response begins
+                idle_ = unknown;
             }
             if (left != 0) {
                 const transfer took = port_.get().send({request_ + size_ - left, left});

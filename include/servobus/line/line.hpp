@@ -435,7 +435,10 @@ class line {
             at = now();
             gap_.note_activity(at);
             if (!came) { // a garbled character: another sender, or a driver that is switched off
-                if (!is_leaving) gap_.require_quarantine();
+                if (is_leaving)
+                    x.pass_garbled();
+                else
+                    gap_.require_quarantine();
                 return false;
             }
             const bytes arrived = given.first(*came);
@@ -446,6 +449,7 @@ class line {
             } else if constexpr (has_local_echo<Echo>) {
                 if (echo_.is_on) (void)echo_.take(x.request(), arrived);
             }
+            if (!expects_echo()) x.pass_while_leaving(arrived, at);
         }
         return false;
     }

@@ -22,8 +22,8 @@
 // - Bytes that arrived before the last stop bit left are no response. The line drops what it receives before
 //   `sent()` is true. A port whose `send` blocks, or whose receiver may still hold an echo, empties its receiver
 //   before `sent()` turns true. If that is asked so late that the response may have come, it keeps the bytes,
-//   but not if the last request that it saw leave in time was echoed whole: then they may be the echo alone, which
-//   equals the response to a write.
+//   but not if the last request that it saw leave in time was echoed whole: then as many bytes as it has sent may be
+//   the echo, which equals the response to a write. What follows them stays.
 // - `now()` is a clock of microseconds that wraps at 2^32. A resolution of a millisecond is enough above 19200 Bd
 //   in host timing if each node's `gaps.gap` is t3.5 and a millisecond: a gap that is measured by such a clock
 //   may be a tick too short.

@@ -59,9 +59,15 @@ class transmission {
     constexpr void note_arrival(std::size_t count, instant at) {
         if (is_under_way_ && !may_be_answered(at)) unechoed_ -= static_cast<std::int32_t>(count);
     }
-    /// What has arrived by `at` is to be discarded: an echo, or of an adapter that echoes perhaps the echo alone, which
-    /// equals the response to a write.
-    constexpr bool discards(instant at) const { return has_echoed_ || !may_be_answered(at); }
+    /// So many of the bytes that have arrived by `at` are to be discarded: all while no response can have come. After
+    /// that, of an adapter that echoes, those that are missing of the echo: it equals the response to a write, and what
+    /// follows it is no echo.
+    constexpr std::size_t most_to_discard(instant at) const {
+        if (!may_be_answered(at)) return ~std::size_t{0};
+        return has_echoed_ && unechoed_ > 0 ? static_cast<std::size_t>(unechoed_) : 0;
+    }
+    /// `count` of them were discarded.
+    constexpr void note_discarded(std::size_t count) { unechoed_ -= static_cast<std::int32_t>(count); }
     /// Before `finish`: the adapter echoes if all of these bytes have come back before a response can have come. If they
     /// have not, and it is asked after that, it stays as it was.
     constexpr void decide_echo(instant at) {

@@ -211,8 +211,9 @@ class basic_exchange : gathering<std::uint16_t, Lengths> {
     /// True if the response differs from the request, so that it cannot be its echo. Meaningful only after a
     /// valid response.
     constexpr bool differs_from_request() const { return same_ < size_; }
-    /// True if any byte arrived after the request had left, from whichever device.
-    constexpr bool has_received() const { return count_ != 0 || leading_ != 0 || other_count_ != 0; }
+    /// True if any byte arrived after the request had left, from whichever device, or a part of another node's frame
+    /// while it left.
+    constexpr bool has_received() const { return count_ != 0 || last_ != instant{}; }
 
     /// Call when the transport has accepted the first byte. From then on the request counts as sent.
     constexpr void begin_leaving() {
@@ -221,12 +222,30 @@ class basic_exchange : gathering<std::uint16_t, Lengths> {
         phase_ = phase::leaving;
     }
 
+    /// Bytes that arrived at `now`, after `begin_leaving` and before `sent`. They are the request's echo, or the
+    /// beginning of another node's frame: in its rest no response begins. No effect before `begin_leaving`.
+    [[gnu::cold]] constexpr void pass_while_leaving(bytes arrived, instant now) {
+        if (phase_ != phase::leaving) return;
+        for (const std::uint8_t byte : arrived) {
+            if (other_count_ < size_ && byte == request_[other_count_])
+                ++other_count_;
+            else if (byte != 0x00 && byte != 0xFF) // a driver that is switched
+                last_ = now;
+        }
+    }
+    /// A garbled byte arrived then.
+    constexpr void pass_garbled() { ++other_count_; }
+
     /// Call when the request's last stop bit has left, at `now`.
     constexpr void sent(instant now) {
         if (!is_to_leave()) return;
         status_.mark_sent();
         sent_ = now;
         phase_ = is_broadcast() ? phase::turnaround : phase::awaiting;
+        if (last_ != instant{} && phase_ == phase::awaiting) [[unlikely]] {
+            phase_ = phase::other_node;
+            other_count_ = max_frame; // only a gap ends it
+        }
     }
 
     /// The same for Modbus TCP, whose gateway may refuse a broadcast: a refusal is awaited for `limits.response` if

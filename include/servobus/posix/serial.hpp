@@ -179,7 +179,8 @@ class serial {
 
     /// True when the last stop bit has left the wire; see the top of this header. As it turns true, it discards the
     /// local echo. If it is called later than t3.5 after the end of the request, the bytes may be the response: they
-    /// stay, unless this adapter has echoed the last request that was seen in time.
+    /// stay, unless this adapter has echoed the last request that was seen in time: then it discards no more of them than
+    /// were sent.
     bool sent() {
         if (!sending_.is_under_way()) return true;
         if (!is_pty_) {
@@ -249,11 +250,13 @@ class serial {
         std::uint8_t dropped[64];
         for (int reads = 0; reads < 16; ++reads) {
             if (detail::wait_readable(fd_.number(), {}) != POLLIN) break;
-            const instant at = now();
-            if (!sending_.discards(at)) break;
-            const detail::moved m = detail::read_some(fd_.number(), byte_buffer{dropped});
+            const std::size_t most = sending_.most_to_discard(now());
+            if (most == 0) break;
+            const byte_buffer room{dropped};
+            const detail::moved m =
+                detail::read_some(fd_.number(), room.first(most < room.size() ? most : room.size()));
             if (m.error != 0 || m.count == 0) break;
-            sending_.note_arrival(m.count, at);
+            sending_.note_discarded(m.count);
         }
         sending_.decide_echo(now());
     }

@@ -72,8 +72,10 @@ template <std::size_t Devices> class basic_virtual_line {
     bool sent() {
         pass(settings_.poll.us);
         if (is_sending()) return false;
-        if (settings_.echoes && !settings_.keeps_echo && !was_reported_)
-            arrived_ = 0; // as a port must: what has arrived by now is echo
+        if (settings_.echoes && !settings_.keeps_echo && !was_reported_) { // as a port must: it is the echo
+            first_arrived_ = (first_arrived_ + came_while_leaving_) % inbox_.size();
+            arrived_ -= came_while_leaving_;
+        }
         was_reported_ = true;
         return true;
     }
@@ -84,6 +86,7 @@ template <std::size_t Devices> class basic_virtual_line {
         for (; size < in.size() && arrived_ != 0; ++size, --arrived_) {
             in[size] = inbox_[first_arrived_];
             first_arrived_ = (first_arrived_ + 1) % inbox_.size();
+            if (came_while_leaving_ != 0) --came_while_leaving_;
         }
         return size;
     }
@@ -115,7 +118,7 @@ template <std::size_t Devices> class basic_virtual_line {
     /// Removes the client's port: `send` and `receive` fail with `port_lost` until `plug`.
     void unplug() {
         is_unplugged_ = true;
-        arrived_ = 0;
+        arrived_ = came_while_leaving_ = 0;
         queued_ = gone_ = 0;
         return_at_ = never;
     }
@@ -187,6 +190,7 @@ template <std::size_t Devices> class basic_virtual_line {
 
     void begin_request(std::size_t size) {
         queued_ = gone_ = 0;
+        came_while_leaving_ = 0;
         idle_until_ = 0;
         was_reported_ = false;
         return_at_ = never;
@@ -214,12 +218,14 @@ template <std::size_t Devices> class basic_virtual_line {
         if (echoed_ != 0) next = earlier(next, echoes_[first_echo_].at_us);
         next = earlier(next, earlier(next_look_, return_at_));
         if (next > time_) time_ = next;
-        if (is_sending() && next_out_ <= time_) pass_request_byte();
+        const bool was_sending = is_sending();
+        if (was_sending && next_out_ <= time_) pass_request_byte();
         if (responding_ != 0) pass_response_bytes();
         for (; echoed_ != 0 && echoes_[first_echo_].at_us <= time_; --echoed_) {
             deliver(echoes_[first_echo_].value);
             first_echo_ = (first_echo_ + 1) % echoes_.size();
         }
+        if (was_sending && !is_sending()) came_while_leaving_ = arrived_;
         run_devices();
         if (return_at_ <= time_) return_request();
         idle_until_ = earlier(earlier(next_look_, return_at_), time_ + longest_lag_us);
@@ -372,6 +378,8 @@ template <std::size_t Devices> class basic_virtual_line {
     std::size_t wrong_byte_ = none_wrong;
     std::size_t first_arrived_ = 0;
     std::size_t arrived_ = 0;
+    std::size_t came_while_leaving_ =
+        0; // of the bytes that arrived, the first ones: before the last stop bit left
     fate request_fate_{};
     byte_hook hook_ = nullptr;
     void* hook_context_ = nullptr;

@@ -238,7 +238,8 @@ class serial {
 
     /// True when the last stop bit has left the wire; see the top of this header. As it turns true, it discards the
     /// local echo. If it is called later than t3.5 after the end of the request, the bytes may be the response: they
-    /// stay, unless this adapter has echoed the last request that was seen in time.
+    /// stay, unless this adapter has echoed the last request that was seen in time: then it discards no more of them than
+    /// were sent.
     bool sent() {
         if (!sending_.is_under_way()) return true;
         if (is_open()) {
@@ -399,9 +400,12 @@ class serial {
                 if (is_open() && reading_.is_pending() && queued().cbInQue != 0) return false;
                 break;
             }
-            const instant at = now();
-            if (!sending_.discards(at)) break;
-            sending_.note_arrival(last_ - first_, at);
+            const std::size_t most = sending_.most_to_discard(now());
+            if (most == 0) break;
+            const std::size_t count = last_ - first_ < most ? last_ - first_ : most;
+            sending_.note_discarded(count);
+            first_ += count;
+            if (first_ != last_) break;
             first_ = last_ = 0;
         }
         sending_.decide_echo(now());

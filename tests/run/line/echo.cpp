@@ -234,6 +234,16 @@ TEST_CASE("G3: a broadcast is no sign that anything answers") {
     CHECK_FALSE(r.drive.write<speed>(5)); // its late echo is a well-formed response
 }
 
+TEST_CASE_TEMPLATE("G3: a broadcast does not make an echo possible again", Line, returning_line,
+                   returning_blocking_line) {
+    returning_rig<Line> r;
+    REQUIRE(r.drive.template read<speed>());
+    REQUIRE(r.on.is_echo_ruled_out());
+    r.port.device = {};
+    CHECK(r.drive.template broadcast<speed>(5));
+    CHECK(r.on.is_echo_ruled_out());
+}
+
 TEST_CASE("G3: a facade does not take an echo for its drive") {
     for (const bool keeps : {false, true}) {
         sim::line_settings settings;

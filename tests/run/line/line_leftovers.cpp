@@ -142,7 +142,8 @@ TEST_CASE("G1: bytes that arrived before the port took a request are no part of 
         CAPTURE(count);
         rig r;
         r.port.character_us = 0; // it has left as soon as it was taken
-        r.port.device = [](scripted_port& p, const tests::sent_frame&) { p.say(5'000, own_words); };
+        // They may be the beginning of another node's frame: a response counts after a gap.
+        r.port.device = [](scripted_port& p, const tests::sent_frame&) { p.say(35'000, own_words); };
         bool is_late = true;
         r.port.before_send = [&](interrupted_port& p) {
             if (!is_late) return;

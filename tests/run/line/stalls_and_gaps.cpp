@@ -97,6 +97,60 @@ TEST_CASE_TEMPLATE(
     }
 }
 
+TEST_CASE_TEMPLATE(
+    "G2, G6: a frame of another node that begins while the request leaves is no response, nor is what "
+    "it contains, also after a stall",
+    L, ALL_LINES) {
+    const byte_list head{9, 0x65, 0x3C, 0xFF};
+    unsigned begun_before = 0; // frames whose first byte came before the request had left
+    for (const byte_list& f : {framed(head + one_word), head + head + one_word}) {
+        for (const std::size_t taken_at_once : {std::size_t{1}, std::size_t{1000}}) {
+            for (const std::uint32_t stall_us : {0u, 300u, 1'500u, 30'000u}) {
+                for (std::uint32_t shift_us = 0; shift_us < 12 * 96; shift_us += 48) {
+                    for (std::uint64_t call = 1; call < (stall_us == 0 ? 2u : 12u); ++call) {
+                        L r;
+                        r.port.call_us = 20;
+                        r.port.takes_at_most = taken_at_once;
+                        r.limits.response = milliseconds(15);
+                        r.port.device = [&](scripted_port& p, const sent_frame& sent) {
+                            p.say_at(sent.begin + shift_us, f);
+                            begun_before += sent.begin + shift_us + 96 < sent.end;
+                            r.port.is_armed = true;
+                        };
+                        r.port.stalls_at = call;
+                        r.port.stall_us = stall_us;
+                        CAPTURE(call);
+                        CAPTURE(shift_us);
+                        CAPTURE(stall_us);
+                        CAPTURE(taken_at_once);
+                        REQUIRE(r.ask(read_one) == errc::timeout);
+                    }
+                }
+            }
+        }
+    }
+    CHECK(begun_before > 1'500);
+}
+
+TEST_CASE_TEMPLATE("an echo that no line handles, and a driver that is switched, leave the response as it is",
+                   L, ALL_LINES) {
+    for (const bool has_echo : {false, true}) {
+        for (const std::uint8_t glitch : {0x00, 0xFF}) {
+            L r;
+            r.port.call_us = 20;
+            r.port.echoes = has_echo;
+            r.limits.response = milliseconds(15);
+            r.port.device = [&](scripted_port& p, const sent_frame& sent) {
+                p.arrive(sent.begin + 10, glitch);
+                p.arrive(sent.begin + 250, glitch);
+                p.say(2'000, one_word);
+            };
+            CAPTURE(has_echo);
+            REQUIRE(r.ask(read_one) == errc::ok);
+        }
+    }
+}
+
 TEST_CASE_TEMPLATE("G7: a stall inside a response is no gap in it", L, ALL_LINES) {
     for (const std::uint32_t stall_us : stalls_us) {
         const unsigned played = with_every_stall<L>(

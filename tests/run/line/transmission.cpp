@@ -81,11 +81,11 @@ TEST_CASE("an adapter echoes if all bytes of the last request that was decided i
     const auto discards_late_after = [&](std::size_t returned, std::uint32_t us) {
         t.add(8, instant{0});
         t.note_arrival(returned, instant{us});
-        CHECK(t.discards(instant{in_time}));
+        CHECK(t.most_to_discard(instant{in_time}) != 0);
         t.decide_echo(instant{us});
         t.finish();
         t.add(8, instant{0});
-        const bool discards = t.discards(instant{late});
+        const bool discards = t.most_to_discard(instant{late}) != 0;
         t.finish();
         return discards;
     };
@@ -95,7 +95,8 @@ TEST_CASE("an adapter echoes if all bytes of the last request that was decided i
     CHECK(discards_late_after(8, in_time));
     CHECK(discards_late_after(0, late)); // nothing new is known
     t.restart(9600);
-    CHECK(t.discards(instant{50'000}));
+    t.add(8, instant{0});
+    CHECK(t.most_to_discard(instant{50'000}) == 8);
     t.restart(115200);
     CHECK_FALSE(discards_late_after(0, in_time));
     t.note_arrival(8, instant{0}); // nothing is under way
@@ -106,7 +107,30 @@ TEST_CASE("an adapter echoes if all bytes of the last request that was decided i
     t.decide_echo(instant{late});
     t.finish();
     t.add(8, instant{0});
-    CHECK(t.discards(instant{late}));
+    CHECK(t.most_to_discard(instant{late}) != 0);
+}
+
+TEST_CASE("when a response can have come no more bytes are discarded than are missing of the echo") {
+    constexpr instant in_time{695 + 1749};
+    constexpr instant late{1129 + 1750}; // also after 13 bytes
+    transmission t{115200};
+    t.add(8, instant{0});
+    CHECK(t.most_to_discard(in_time) > 1000);
+    t.note_discarded(8);
+    t.decide_echo(in_time);
+    t.finish();
+    t.add(13, instant{0});
+    t.note_arrival(3, instant{700});
+    CHECK(t.most_to_discard(in_time) > 1000);
+    CHECK(t.most_to_discard(late) == 10);
+    t.note_discarded(4);
+    CHECK(t.most_to_discard(late) == 6);
+    t.note_discarded(6);
+    CHECK(t.most_to_discard(late) == 0);
+    t.decide_echo(late);
+    t.finish();
+    t.add(8, instant{0});
+    CHECK(t.most_to_discard(late) == 8);
 }
 
 } // namespace transmission_tests

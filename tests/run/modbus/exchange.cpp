@@ -364,6 +364,64 @@ TEST_CASE("has_received() is true after a response in one piece, as after one by
     }
 }
 
+TEST_CASE("G2: after bytes that are not the request's while it leaves a response is taken after a gap only") {
+    const auto request = read_frame(1, 0x20AB, 2);
+    const auto response = hex("01 03 04 00 64 FF 9C FA 75");
+    const auto gap = microseconds(host.longest_gap(1).us + 1);
+    const auto answered = [&](bytes while_leaving, duration wait) {
+        std::array<std::uint8_t, 9> buffer{};
+        exchange x{request, buffer, host, usual};
+        x.begin_leaving();
+        x.pass_while_leaving(while_leaving, {500});
+        x.sent({600});
+        x.elapse(instant{500} + wait);
+        x.feed(bytes{response}, instant{500} + wait);
+        return x.done() && x.status() == errc::ok;
+    };
+    const bytes sent{request};
+    const byte_list whole{sent.begin(), sent.end()};
+    const byte_list part{sent.begin(), sent.begin() + 3};
+    const byte_list glitches{0x00, 0xFF, 0x01, 0x00, 0x03, 0xFF};
+    for (const byte_list& echo : {byte_list{}, whole, part, glitches})
+        CHECK(answered(echo, microseconds(150)));
+    for (const byte_list& other : {byte_list{0x09}, part + byte_list{0x09}, whole + byte_list{0x01},
+                                   byte_list{0x03}, byte_list{0x09, 0x01, 0x03}}) {
+        CAPTURE(other.size());
+        CHECK_FALSE(answered(other, microseconds(100)));
+        CHECK_FALSE(answered(other, microseconds(gap.us - 1)));
+        CHECK(answered(other, gap));
+    }
+    SUBCASE("a garbled byte is one of the request's") {
+        std::array<std::uint8_t, 9> buffer{};
+        exchange x{request, buffer, host, usual};
+        x.begin_leaving();
+        x.pass_while_leaving(bytes{part}, {500});
+        x.pass_garbled();
+        x.pass_while_leaving(bytes{whole}.subspan(4), {500});
+        x.sent({600});
+        CHECK_FALSE(x.has_received());
+        x.feed(bytes{response}, {700});
+        CHECK(x.status() == errc::ok);
+    }
+    SUBCASE("bytes before it begins to leave have no effect") {
+        std::array<std::uint8_t, 9> buffer{};
+        exchange x{request, buffer, host, usual};
+        x.pass_while_leaving(bytes{response}, {500});
+        x.begin_leaving();
+        x.sent({600});
+        x.feed(bytes{response}, {700});
+        CHECK(x.status() == errc::ok);
+    }
+    SUBCASE("a broadcast awaits its turnaround all the same") {
+        const auto all = modbus::write_frame(modbus::broadcast, 0x2088, {0, 0});
+        exchange x{all, {}, host, usual};
+        x.begin_leaving();
+        x.pass_while_leaving(bytes{part}, {500});
+        x.sent({600});
+        CHECK(x.state() == exchange::phase::turnaround);
+    }
+}
+
 TEST_CASE("G30: a broadcast awaits no function alone, and a gateway's refusal only where it has room") {
     for (const std::size_t room : {4u, 8u}) {
         CAPTURE(room);

@@ -491,6 +491,13 @@ TEST_CASE(
         CHECK(r.has_sent_after(695));
     }
     CHECK_FALSE(keeps_late_bytes());
+    { // what follows the echo is none
+        REQUIRE(r.port.send(eight));
+        REQUIRE(r.wire.send(eight).value_or(0) == 8);
+        REQUIRE(r.wire.send(bytes{eight}.first(5)).value_or(0) == 5);
+        CHECK(r.has_sent_after(695 + 1750));
+        CHECK(r.port.receive(room).value_or(99) == 5);
+    }
     r.port.close();
     REQUIRE(r.open_port({.baud = 115200}) == errc::ok);
     CHECK_FALSE(keeps_late_bytes());
