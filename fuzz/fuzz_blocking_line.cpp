@@ -103,13 +103,21 @@ class answer {
         }
         return false;
     }
-    // The bytes equal the request up to one byte beyond the expected response. The response to function 06
-    // equals the request: the client handles that case, by another request.
+    // The bytes equal the request up to one byte beyond the expected response, or up to its end if they can be no
+    // response. The response to function 06 equals the request: the client handles that case, by another request.
     bool is_echo() const {
         if (fuzz::response_size(request_) == request_.size()) return false;
-        const std::size_t n = std::min(expected() + 1, request_.size());
-        return came_.size() >= n &&
-               std::equal(request_.begin(), request_.begin() + static_cast<long>(n), came_.begin());
+        const std::size_t beyond = std::min(expected() + 1, request_.size());
+        return (came_.size() >= beyond && begins_like_request(beyond)) ||
+               (is_no_response() &&
+                begins_like_request(std::min({expected(), came_.size(), request_.size()})));
+    }
+    bool begins_like_request(std::size_t n) const {
+        return std::equal(came_.begin(), came_.begin() + static_cast<long>(n), request_.begin());
+    }
+    bool is_no_response() const {
+        if (fuzz::is_read(request_) && came_.size() > 2 && came_[2] != 2 * request_[5]) return true;
+        return came_.size() >= expected() && !reference::is_frame(first(expected()));
     }
 
     std::uint64_t last_ = 0;
@@ -228,15 +236,22 @@ template <modbus::timing_mode Mode, duration Quarantine> class bench {
             c.wanted);
     }
 
-    // A response that begins like its request may be an echo, so it does not rule an echo out.
+    // A response that begins like its request may be an echo, so it does not rule an echo out. A request without a
+    // valid response makes an echo possible again; so may one after whose response further bytes came.
     void judge_proof(const status& w, bool was_proven, const byte_list& request, bytes response) const {
         if (on_->port.has_lied) return;
-        const bool has_response = request[0] != 0 && (w || w.error() == errc::exception);
+        const bool is_broadcast = request[0] == 0;
+        const bool has_response = !is_broadcast && (w || w.error() == errc::exception);
         const std::size_t n = std::min(response.size(), request.size());
         const bool is_proof = has_response && !same_bytes(response.first(n), bytes{request}.first(n));
-        const bool is_gone = w.error() == errc::port_lost;
-        require(line_.is_echo_ruled_out() == (is_proof || (was_proven && !is_gone)),
+        const bool is_miss = !w && w.error() != errc::exception && w.error() != errc::acknowledged &&
+                             (!is_broadcast || w.error() == errc::port_lost);
+        const bool is_proven = is_proof || (was_proven && !is_miss);
+        require(is_proven || !line_.is_echo_ruled_out(),
                 "G3 only a response that cannot be an echo rules the echo out");
+        const bool is_alone = on_->port.heard.size() <= (is_broadcast ? 0 : response.size());
+        require(line_.is_echo_ruled_out() || !is_proven || !is_alone,
+                "G3 a response that cannot be an echo rules the echo out");
     }
 
     void judge_broadcast(const status& w, const response_limits& limits) const {
