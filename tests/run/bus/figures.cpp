@@ -5,6 +5,7 @@
 // calculated here by hand.
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -287,6 +288,25 @@ TEST_CASE("G28: three failures in a row make a drive absent, and two after a goo
     }
     for (std::size_t i = asked; i < r.port.frames.size(); ++i) failed += r.port.frames[i].data[0] == 2;
     CHECK(failed == 3);
+    r.answers = true;
+    r.all.run_for(milliseconds(5'000));
+    REQUIRE_FALSE(r.all.is_absent(2));
+    const auto requests = [&] {
+        return std::count_if(r.port.frames.begin(), r.port.frames.end(),
+                             [](const auto& f) { return f.data[0] == 2; });
+    };
+    for (int round = 0; round < 4; ++round) {
+        r.answers = false;
+        for (const auto before = requests(); requests() < before + 2;) r.all.run_for(milliseconds(1));
+        r.all.run_for(milliseconds(1)); // the second one is lost too
+        r.answers = true;
+        const auto good = r.all.count(1);
+        for (int ms = 0; ms < 3'000 && r.all.count(1) == good; ++ms) {
+            REQUIRE_FALSE(r.all.is_absent(2));
+            r.all.run_for(milliseconds(1));
+        }
+        REQUIRE(r.all.count(1) > good);
+    }
 }
 
 TEST_CASE("G19: a drive with a keep-alive becomes absent once its keep-alive has passed, and not before") {

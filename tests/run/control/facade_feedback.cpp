@@ -109,6 +109,19 @@ TEST_CASE("G36: the feedback is busy while a drive is taken over again") {
     CHECK(r.drive.check_feedback(milliseconds(30)) == errc::ok);
 }
 
+TEST_CASE("G36: feedback that is exactly as old as asked holds, and older feedback does not") {
+    bare_rigs::rig r{milliseconds(20)};
+    r.loop(50);
+    REQUIRE(r.drive.check_feedback(milliseconds(30)) == errc::ok);
+    const instant taken = r.drive.machine().known().polling().image().taken;
+    const instant first = r.on.now();
+    const instant second = r.on.now();
+    const duration look = since(first, second); // what a look at the clock takes here
+    const duration age = since(taken, second);
+    CHECK(r.drive.check_feedback(age + look) == errc::ok);
+    CHECK(r.drive.check_feedback(age + look) == errc::timeout); // a look later
+}
+
 TEST_CASE("G36: a drive whose feedback was never read has none, however young the clock is") {
     bare_rigs::rig r;
     bare::drive<bare_rigs::rig::line_type> drive{r.on, node<bare_rigs::device>{1}, milliseconds(20)};

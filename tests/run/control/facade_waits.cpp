@@ -380,6 +380,25 @@ TEST_CASE("a drive is absent after three reads of its feedback without a respons
     CHECK(r.drive.is_absent());
 }
 
+TEST_CASE("G28: reads of its feedback that are lost now and then make no drive absent: three in a row do") {
+    rig r{milliseconds(20)};
+    REQUIRE(r.drive.run(take_over));
+    r.loop(50);
+    for (int round = 0; round < 6; ++round) {
+        CAPTURE(round);
+        for (int lost = 0; lost < 2; ++lost) {
+            r.port.frames.clear();
+            r.is_mute = true;
+            while (r.port.frames.empty()) r.turn();
+            r.is_mute = false;
+            while (r.drive.machine().is_on_the_wire()) r.turn();
+            CHECK_FALSE(r.drive.is_absent());
+        }
+        r.loop(500);
+        REQUIRE_FALSE(r.drive.is_absent());
+    }
+}
+
 TEST_CASE("G16: a setpoint that cannot be read back ends as its write: what it has done is not known") {
     rig r;
     REQUIRE(r.drive.run(take_over_witnessed));

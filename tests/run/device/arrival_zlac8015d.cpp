@@ -242,6 +242,27 @@ TEST_CASE("G34: after an init there is no move to wait for, since a restart befo
     CHECK(fresh.drive.run(wait_reached{milliseconds(500)}).error() == errc::wrong_state);
 }
 
+TEST_CASE("G34: a move of one wheel that is refused leaves the other wheel its target") {
+    enabled r{operating_mode::relative_position, synchronisation::asynchronous};
+    for (const bool is_left_first : {true, false}) {
+        CAPTURE(is_left_first);
+        const wheels first = is_left_first ? wheels::left : wheels::right;
+        const wheels second = is_left_first ? wheels::right : wheels::left;
+        const distance too_far{-0x7FFF'FFFF - 1};
+        if (is_left_first)
+            REQUIRE(r.drive.run(move_left_by{4096 * pulse}));
+        else
+            REQUIRE(r.drive.run(move_right_by{4096 * pulse}));
+        REQUIRE(r.drive.run(wait_wheels_reached{first}));
+        const routine_status refused =
+            is_left_first ? r.drive.run(move_right_by{too_far}) : r.drive.run(move_left_by{too_far});
+        CHECK(refused.error() == errc::out_of_range);
+        CHECK(r.drive.arrival(second).how == arrival_state::none);
+        CHECK(r.drive.arrival(first).how == arrival_state::reached);
+        CHECK(r.drive.run(wait_wheels_reached{first}));
+    }
+}
+
 TEST_CASE("G34: in the asynchronous mode each wheel has its own move and its own end") {
     enabled r{operating_mode::relative_position, synchronisation::asynchronous};
     REQUIRE(r.drive.run(move_left_by{40960 * pulse}));

@@ -278,6 +278,29 @@ TEST_CASE("set changes a parameter until power-off, keep stores it") {
     CHECK(r.drive.run(set<positioning_completed_threshold>{checked(0)}).error() == errc::out_of_range);
 }
 
+TEST_CASE("each parameter that a facade has read is the one that was set or kept last") {
+    rig r;
+    REQUIRE(r.make_ready());
+    const auto& known = [&]() -> decltype(auto) { return r.drive.cached(); };
+    REQUIRE(r.drive.run(keep<max_speed>{1501}));
+    CHECK(known().max_speed == 1501);
+    REQUIRE(r.drive.run(keep<max_forward_speed>{1502}));
+    CHECK(known().max_forward == 1502);
+    REQUIRE(r.drive.run(keep<max_reverse_speed>{1503}));
+    CHECK(known().max_reverse == 1503);
+    REQUIRE(r.drive.run(keep<positive_internal_torque_limit>{raw(1504)}));
+    CHECK(known().positive_torque == 1504);
+    REQUIRE(r.drive.run(keep<negative_internal_torque_limit>{raw(1505)}));
+    CHECK(known().negative_torque == 1505);
+    REQUIRE(r.drive.run(keep<brake_off_to_power_off_delay>{506}));
+    CHECK(known().power_off_delay_ms == 506);
+    REQUIRE(r.drive.run(keep<brake_on_to_command_delay>{500}));
+    CHECK(known().brake_delay_ms == 500);
+    const auto before = r.wire.time_us();
+    REQUIRE(r.drive.run(enable_in{control_mode::speed}));
+    CHECK(r.wire.time_us() - before >= 500'000); // it returns once the brake is open
+}
+
 TEST_CASE("reset_encoder, restart and factory_reset work, and only on a disabled drive") {
     rig r;
     REQUIRE(r.make_ready());

@@ -275,34 +275,41 @@ TEST_CASE("G43: wheels that were faster and slower in a gap, and have their spee
 TEST_CASE("G43: a way that its speeds contradict, as of a response that is late by several requests, ends "
           "the pose") {
     using model = zlac8015d::robot_model;
-    const auto pose_after = [](std::int32_t moved) {
+    const auto pose_after = [](std::int32_t left, std::int32_t right) {
         model m;
         m.set_base(base);
         zlac8015d::cached_settings known{};
         known.state = drive_state::enabled;
-        const auto note = [&](std::int32_t at, std::uint32_t us) {
+        const auto note = [&](std::int32_t at_left, std::int32_t at_right, std::uint32_t us) {
             std::uint16_t words[image_block<model>.words]{};
             const auto put = [&](std::size_t place, std::int32_t position) {
                 words[place] = static_cast<std::uint16_t>(static_cast<std::uint32_t>(position) >> 16);
                 words[place + 1] = static_cast<std::uint16_t>(position);
             };
-            put(model::image::place_of<zlac8015d::left_actual_position>, at);
-            put(model::image::place_of<zlac8015d::right_actual_position>, -at);
+            put(model::image::place_of<zlac8015d::left_actual_position>, at_left);
+            put(model::image::place_of<zlac8015d::right_actual_position>, -at_right);
             words[model::image::place_of<zlac8015d::left_actual_speed>] = 600;
             words[model::image::place_of<zlac8015d::right_actual_speed>] = static_cast<std::uint16_t>(-600);
             m.note({.block = 0, .words = words, .taken = instant{us}, .epoch = 7}, known);
         };
-        note(5000, 20'000);
-        note(5082, 40'000); // 60 r/min are 82 counts in 20 ms
-        note(5082 + moved, 60'000);
+        note(5000, 5000, 20'000);
+        note(5082, 5082, 40'000); // 60 r/min are 82 counts in 20 ms
+        note(5082 + left, 5082 + right, 60'000);
         return m.pose().is_continuous;
     };
-    CHECK(pose_after(82));
-    CHECK(pose_after(82 + 12));
-    CHECK(pose_after(82 - 12));
-    CHECK_FALSE(pose_after(82 + 20));
-    CHECK_FALSE(pose_after(82 - 20));
-    CHECK_FALSE(pose_after(-600)); // of 150 ms ago
+    // Of either wheel alone, and of both.
+    const auto is_continuous_after = [&](std::int32_t way) {
+        const bool both = pose_after(way, way);
+        CHECK(pose_after(way, 82) == both);
+        CHECK(pose_after(82, way) == both);
+        return both;
+    };
+    CHECK(is_continuous_after(82));
+    CHECK(is_continuous_after(82 + 12));
+    CHECK(is_continuous_after(82 - 12));
+    CHECK_FALSE(is_continuous_after(82 + 20));
+    CHECK_FALSE(is_continuous_after(82 - 20));
+    CHECK_FALSE(is_continuous_after(-600)); // of 150 ms ago
 }
 
 TEST_CASE("an enable in another mode, and one that loses a response, is no restart of a robot's drive") {

@@ -31,8 +31,6 @@ class commanded_motion {
         may_move_ = may_move_ || moves(c, c.steps);
         could_move_ = could_move_ || may_move_;
     }
-    /// Another command has replaced one that may have been carried out.
-    constexpr void preempt() { has_twist_ = false; }
     constexpr void end(const prepared_command& c, const ending& e) {
         note(c, e.steps);
         if (is_without_motion(c)) return;

@@ -70,10 +70,6 @@ class robot_model : public counted_model {
         commanded_.begin(c);
         return counted_model::admit(c, lost);
     }
-    constexpr void preempt(const prepared_command& c) {
-        commanded_.preempt();
-        counted_model::preempt(c);
-    }
     constexpr errc learn(prepared_command& c, const ending& e, settings& known) {
         commanded_.end(c, e);
         if (is_save(e.steps)) known.mode = operating_mode::undefined;
