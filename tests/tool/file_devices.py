@@ -280,6 +280,46 @@ def all_tables_explained(tool: Tool):
 
 
 @scene()
+def codes_of_numbers(tool: Tool):
+    """A number with a unit, some of whose values are codes: also outside its range."""
+    tool.write("heater.csv", "address,name,type,access,scale,unit,min,max,default,flags,names\n"
+               "3,limit,u16,rw,1,%,0,100,100,,255=no limit\n4,room,i16,rw,0.1,degC,,,250,,0x7FFF=no sensor;-1=fault\n")
+    device = Device()
+    device.holding[3:5] = [100, 0xFF06]
+    with on_terminal(device) as port:
+        on = f"{port} heater.csv"
+        tool.says("a value with its unit", f"read {on} limit room {WAIT}", "limit=100 %", "room=-25.0 degC")
+        tool.says("is written with and without it", f"write {on} limit=50 {WAIT}", "limit=50 %")
+        device.requests.clear()
+        tool.says("so is a code, by name", f"write {on} limit=no_limit {WAIT}", "limit=no_limit (0x00FF)")
+        tool.says("and by number", f"write {on} limit=255 {WAIT}", "limit=no_limit (0x00FF)")
+        tool.is_equal("06 each", writes_of(device), ["06000300ff", "06000300ff"])
+        tool.fails("neither range nor code", f"write {on} limit=254", 2,
+                   "limit: '254' is outside 0 % .. 100 %; it takes 255 no_limit")
+        tool.fails("a name that it has not", f"write {on} limit=unlimited", 2,
+                   "limit: 'unlimited' is no number; it takes 255 no_limit")
+        device.holding[4] = 0x7FFF
+        tool.says("a code when read", f"read {on} room {WAIT}", "room=no_sensor (0x7FFF)")
+        tool.run(f"read {on} limit room --csv {WAIT}")
+        tool.check("as CSV a code is no number", tool.last.lines[0].endswith(",limit (%),room (degC)") and
+                   tool.last.lines[1].endswith(",nan,nan"))
+        device.holding[3] = 7
+        tool.run(f"read {on} limit room --json {WAIT}")
+        tool.out_has("as JSON a code has a text, and a number none", '"limit":{"value":7,"unit":"%"},'
+                     '"room":{"value":null,"unit":"degC","text":"no_sensor"}')
+    tool.run("explain heater.csv", stdin=f"{framed('03 0003 0002')}\n{framed('03 04 0032 7FFF')}\n"
+             f"{framed('06 0003 00FF')}\n{framed('06 0003 00FE')}\n")
+    tool.out_has("explain: a number, a code", "limit = 50 %, room = no sensor (0x7FFF)")
+    tool.out_has("explain: a code is not outside", "write limit (0x0003) = no limit (0x00FF) (request")
+    tool.out_has("explain: another value is", "= 254 % (outside 0..100)")
+    with tool.simulated("heater.csv"):
+        on = "drive heater.csv"
+        tool.says("sim: a code can be written", f"write {on} limit=no_limit", "limit=no_limit (0x00FF)")
+    tool.run("map heater.csv --profile")
+    tool.check("map gives the names back", "255=no limit" in tool.last.out)
+
+
+@scene()
 def explained(tool: Tool):
     tool.write("drive.csv", tool.run("map zlac8015d --profile").out)
     tool.write("meter.csv", METER)

@@ -17,7 +17,7 @@ std::size_t judge(std::vector<parameter>& all, std::string& first) {
     for (parameter& p : all) {
         if (p.number) {
             p.remark = number_text(*p.row, *p.number);
-            if (p.row->limits.contains(*p.number)) continue;
+            if (p.row->takes(*p.number)) continue;
             p.remark += ", outside " + std::to_string(p.row->limits.low) + " .. " +
                         std::to_string(p.row->limits.high);
             p.number.reset();

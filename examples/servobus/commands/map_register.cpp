@@ -71,7 +71,7 @@ std::string range_text(const entry& e) {
 
 std::string default_text(const entry& e) {
     if (e.initial == servobus::no_default) return e.rights == access::ro ? "" : "not stated";
-    if (e.names != servobus::naming::names) return counts_text(e, e.initial, e.initial);
+    if (e.is_quantity() && !e.is_code(e.initial)) return counts_text(e, e.initial, e.initial);
     char room[512];
     servobus::text_writer text{room};
     servobus::put_value(text, e, static_cast<u16>(static_cast<std::uint64_t>(e.initial) & 0xFFFFu));

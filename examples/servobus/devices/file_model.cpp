@@ -31,10 +31,7 @@ std::optional<servobus::table> table_of(std::uint8_t code) {
     }
 }
 
-bool is_allowed(const servobus::entry& e, u32 bits) {
-    const std::int64_t value = e.number(bits);
-    return value >= e.limits.low && value <= e.limits.high;
-}
+bool is_allowed(const servobus::entry& e, u32 bits) { return e.takes(e.number(bits)); }
 
 } // namespace
 

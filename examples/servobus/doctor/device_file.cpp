@@ -17,7 +17,7 @@ std::string range_text(const servobus::entry& e) {
 void judge_value(report& to, const servobus::entry& e, std::int64_t number, const std::string& command) {
     const std::string name = static_cast<const char*>(e.name);
     const std::string value = name + '=' + number_text(e, number);
-    if (!e.limits.contains(number)) {
+    if (!e.takes(number)) {
         const bool can_mend = e.rights == servobus::access::rw && e.initial != servobus::no_default;
         to.warn(value + ": outside " + range_text(e), can_mend ? command : "");
     } else if (e.rights == servobus::access::rw && e.initial != servobus::no_default && number != e.initial) {

@@ -6,6 +6,7 @@
 
 #include <servobus/registers/format.hpp>
 
+#include "../session.hpp"
 #include "utc.hpp"
 
 namespace tool {
@@ -54,9 +55,8 @@ void columns::add(const chosen& what, std::size_t place) {
                 {.name = raw_name(what, i), .form = what.form, .of = place, .word = i * what.form.width()});
         return;
     }
-    const bool is_number = what.row->names != servobus::naming::names;
     column c{.name = what.name,
-             .unit = is_number ? symbol(unit_of(*what.row).of) : "",
+             .unit = what.row->is_quantity() ? symbol(unit_of(*what.row).of) : "",
              .row = what.row,
              .of = place};
     if (what.row->names != servobus::naming::halves) {
@@ -90,10 +90,8 @@ std::string columns::number_text(const column& c, const reading& r) {
     const servobus::entry& e = *c.row;
     std::int64_t count = 0;
     if (c.which == part::whole) {
-        const u32 bits = e.words() == 2
-                             ? servobus::join_words(words[0], words[1], servobus::word_order::high_first)
-                             : u32{words[0]};
-        count = e.number(bits);
+        count = number_of(e, words);
+        if (e.is_quantity() && e.is_code(count)) return "nan"; // "no sensor" is no temperature
     } else {
         const unsigned byte = (c.which == part::left ? words[0] >> 8 : words[0]) & 0xFFu;
         count = e.is_signed() ? std::int64_t{static_cast<std::int8_t>(byte)} : std::int64_t{byte};
@@ -142,10 +140,13 @@ std::string columns::json_line(const snapshot& s) const {
     for (const column& c : columns_) {
         const reading& r = s.readings[c.of];
         const std::string number = r.is_read() ? number_text(c, r) : "null";
-        const bool is_number = number.find('n') == number.npos; // a float may be nan
+        const bool is_number =
+            number.find('n') == number.npos; // a float may be nan, and so is a code of a quantity
         line += between + json_string(c.name) + ":{\"value\":" + (is_number ? number : "null");
         if (!c.unit.empty()) line += ",\"unit\":" + json_string(c.unit);
-        if (c.row != nullptr && c.row->names == servobus::naming::names)
+        const bool is_quantity = c.row == nullptr || c.row->is_quantity();
+        if (!is_quantity ||
+            (r.is_read() && c.row != nullptr && c.row->names == servobus::naming::names && !is_number))
             line += ",\"text\":" + (r.is_read() ? json_string(name_text(c, r)) : "null");
         line += '}';
         between = ",";

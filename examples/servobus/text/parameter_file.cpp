@@ -122,7 +122,7 @@ class reader {
         }
         const std::optional<std::int64_t> number = parse_integer(value);
         if (!number) return place + name + ": '" + value + "' is no whole number";
-        if (!e->limits.contains(*number)) {
+        if (!e->takes(*number)) {
             return place + name + ": " + value + " is outside " + std::to_string(e->limits.low) + " .. " +
                    std::to_string(e->limits.high) + what_it_takes(*e);
         }

@@ -270,21 +270,22 @@ std::string read_value(const entry& e, bool is_bit, std::string_view text, std::
         count = *word;
     } else if (is_bit && (text == "on" || text == "off") && !has_own_on_or_off(e)) {
         count = text == "on" ? 1 : 0;
-    } else if (e.names == servobus::naming::names && !is_number(text)) {
+    } else if (!e.is_quantity() && !is_number(text)) {
         return refuse(no_name(e, text));
     } else if (e.names == servobus::naming::halves) {
         return refuse("two values in one word: give the content as 0x....");
     } else {
         const reading_error error = parse_quantity(e, text, count);
         if (error == reading_error::no_number)
-            return refuse("'" + shown + (is_bit ? "' is neither on nor off" : "' is no number"));
+            return refuse("'" + shown + (is_bit ? "' is neither on nor off" : "' is no number") +
+                          what_it_takes(e));
         if (error == reading_error::inexact) {
             if (has(e.flags, servobus::flag::scaled_elsewhere))
                 return refuse("another register sets the scale: give whole counts, not '" + shown + "'");
             return refuse("'" + shown + "' is no whole number of counts; one is " + printed(e, 1));
         }
     }
-    if (!e.limits.contains(count)) {
+    if (!e.takes(count)) {
         return refuse("'" + shown + "' is outside " + printed(e, e.limits.low) + " .. " +
                       printed(e, e.limits.high) + what_it_takes(e));
     }

@@ -55,7 +55,7 @@ constexpr named_value field(std::uint16_t mask, std::uint16_t value, const char*
 /// How a register's word is formatted as text.
 enum class naming : std::uint8_t {
     number, ///< as a number with the register's unit
-    names,  ///< as the names of all `values` that apply; in hexadecimal if none does
+    names, ///< as the names of all `values` that apply; if none does, in hexadecimal, or with the unit if it has one
     halves, ///< as two bytes with the register's unit, the left axis in the high byte
 };
 
@@ -112,6 +112,18 @@ struct entry {
     constexpr bool is_signed() const {
         return kind == value_kind::signed_word || kind == value_kind::signed_pair;
     }
+
+    /// A number, perhaps with names for some of its values: 0..100 %, and 255 is `no limit`.
+    constexpr bool is_quantity() const { return names != naming::names || unit_of_count != unit{}; }
+    /// True for a value that has a name of its own, as a whole.
+    constexpr bool is_code(std::int64_t count) const {
+        for (const named_value& v : values) {
+            if (v.mask == 0xFFFF && number(v.value) == count) return true;
+        }
+        return false;
+    }
+    /// True for what may be written: a value of the range, or a code.
+    constexpr bool takes(std::int64_t count) const { return limits.contains(count) || is_code(count); }
 
     /// The number that the raw bits encode.
     constexpr std::int64_t number(u32 bits) const {

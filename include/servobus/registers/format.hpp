@@ -73,6 +73,12 @@ constexpr void put_bits(text_writer& out, const entry& e, u32 bits) {
     out.hex(bits, e.words() == 2 ? 8 : 4);
 }
 
+constexpr void put_unnamed(text_writer& out, const entry& e, u32 bits) {
+    if (!e.is_quantity()) return put_bits(out, e, bits);
+    put_count(out, e.number(bits), e.unit_of_count);
+    put_symbol(out, e.unit_of_count);
+}
+
 constexpr void put_names(text_writer& out, const entry& e, u32 bits, value_format how) {
     u32 named = 0;
     bool is_first = true;
@@ -83,7 +89,7 @@ constexpr void put_names(text_writer& out, const entry& e, u32 bits, value_forma
         named |= v.mask;
         is_first = false;
     }
-    if (is_first) return put_bits(out, e, bits);
+    if (is_first) return put_unnamed(out, e, bits);
     if (const u32 rest = bits & ~named; rest != 0) {
         out << (how == value_format::tokens ? "+" : " + ");
         put_bits(out, e, rest);
@@ -112,7 +118,8 @@ constexpr void put_quantity(text_writer& out, const entry& e, std::int64_t count
     detail::put_symbol(out, e.unit_of_count);
 }
 
-/// Writes the meaning of a register's raw bits: `12.5 A`, `enable (0x0008)`, `left 35 degC / right 36 degC`.
+/// Writes the meaning of a register's raw bits: `12.5 A`, `enable (0x0008)`, `left 35 degC / right 36 degC`;
+/// of a number that has names for some values the name, or the number with its unit.
 /// For a register that another register rescales (`flag::scaled_elsewhere`) it uses the factory's scale;
 /// callers append `factory_scale_note`.
 constexpr void put_value(text_writer& out, const entry& e, u32 bits, value_format how = value_format::words) {

@@ -141,6 +141,47 @@ TEST_CASE("a register value is written in words, or as one token without a blank
     }
 }
 
+TEST_CASE("a number that has names for some of its values keeps its unit for all others") {
+    static constexpr named_value codes[] = {code(0xFFFF, "no limit"), code(0x7FFF, "no sensor")};
+    entry e{};
+    e.limits = {-400, 1250};
+    e.unit_of_count = units::degree_celsius / 10;
+    e.values = codes;
+    const auto said = [&e](u32 word) {
+        std::array<char, 100> room{};
+        text_writer out{room};
+        put_value(out, e, word);
+        return std::string{room.data(), out.size()};
+    };
+    for (const value_kind kind : {value_kind::unsigned_word, value_kind::signed_word}) {
+        const bool is_signed = kind == value_kind::signed_word;
+        e.kind = kind;
+        e.names = naming::names;
+        CHECK(e.is_quantity());
+        CHECK(said(250) == "25.0 degC");
+        CHECK(said(0x7FFF) == "no sensor (0x7FFF)");
+        CHECK(said(0xFFFF) == "no limit (0xFFFF)");
+        CHECK(said(0xFFFE) == (is_signed ? "-0.2 degC" : "6553.4 degC"));
+        CHECK(e.is_code(0x7FFF));
+        CHECK(e.is_code(is_signed ? -1 : 0xFFFF));
+        CHECK_FALSE(e.is_code(is_signed ? 0xFFFF : -1));
+        CHECK_FALSE(e.is_code(250));
+        CHECK(e.takes(0x7FFF)); // a code, although the range ends before it
+        CHECK(e.takes(1250));
+        CHECK_FALSE(e.takes(1251));
+        CHECK_FALSE(e.takes(0x7FFE));
+        e.names = naming::number;
+        CHECK(e.is_quantity());
+    }
+    e.names = naming::names;
+    e.unit_of_count = {};
+    CHECK_FALSE(e.is_quantity());
+    CHECK(said(250) == "0x00FA");
+    static constexpr named_value bits[] = {named_bit(0x0004, "ready"), field(0x0003, 0x0002, "slow")};
+    e.values = bits;
+    for (const std::int64_t bit : {4, 2, 6}) CHECK_FALSE(e.is_code(bit));
+}
+
 TEST_CASE("the names of a 32-bit register are of its whole value") {
     static constexpr named_value codes[] = {code(0, "off"), code(1, "on"), code(0xFFFF, "all")};
     static constexpr named_value bits[] = {named_bit(0x0001, "locked"), field(0x0030, 0x0020, "not ready")};

@@ -28,7 +28,7 @@ constexpr void put_address(text_writer& out, u16 address) {
 
 /// Writes " (outside 1..5000 ms)" if the row does not take the number.
 constexpr void put_outside(text_writer& out, const entry& e, std::int64_t number) {
-    if (e.limits.contains(number)) return;
+    if (e.takes(number)) return;
     out << " (outside ";
     put_count(out, e.limits.low, e.unit_of_count);
     out << "..";
