@@ -83,9 +83,13 @@ bool is_valid(const reference::byte_list& f, direction way) {
     if (is_of_unknown_function(pdu)) return true;
     const unsigned code = pdu[0];
     const bool is_of_registers = code == 3 || code == 4 || code == 6 || code == 16 || code >= 0x80;
-    const bool is_request =
-        is_of_registers ? reference::request(pdu).has_value() : functions_reference::exception_of(same) == 0;
-    const bool is_response = is_of_registers ? reference::is_response(pdu) : is_response_to_any(same);
+    const bool writes_coil = code == 5 && pdu.size() == 5; // any value: there are relay modules that toggle
+    const bool is_request = writes_coil       ? true
+                            : is_of_registers ? reference::request(pdu).has_value()
+                                              : functions_reference::exception_of(same) == 0;
+    const bool is_response = writes_coil       ? true
+                             : is_of_registers ? reference::is_response(pdu)
+                                               : is_response_to_any(same);
     const bool asks = is_request && way != direction::response;
     const bool answers = is_response && way != direction::request && f[0] != 0;
     const bool may_be_broadcast =

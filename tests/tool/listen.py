@@ -206,6 +206,30 @@ def every_function(tool: Listening, how: str):
 
 
 @scene()
+def toggled_coils(tool: Listening):
+    """A relay module that toggles at 05 with 5500h, or switches for a time: its responses repeat the requests."""
+    tap = TappedLine.at(tool.folder / "tap")
+    listener = tool.listen(f"tap raw {PATIENT} --log capture")
+    for coil, value in [(0, "5500"), (1, "0064"), (2, "5500")]:
+        tap.play(framed(f"05 000{coil} {value}"), framed(f"05 000{coil} {value}"))
+    tap.play(framed("05 0003 5500"), framed("85 03"))
+    until(lambda: len(tool.captured()) >= 8)
+    tool.ends(listener, signal.SIGINT)
+    odd = "(no value of the standard)"
+    tool.is_equal("listen: coils with other values than on and off", tool.without_clock(), [
+        f"? node 1: write coil 0x0000 = 0x5500 {odd} (request, or the response that echoes it)",
+        f"< node 1: response, coil 0x0000 = 0x5500 {odd} written (after T)",
+        f"> node 1: write coil 0x0001 = 0x0064 {odd}",
+        f"< node 1: response, coil 0x0001 = 0x0064 {odd} written (after T)",
+        f"> node 1: write coil 0x0002 = 0x5500 {odd}",
+        f"< node 1: response, coil 0x0002 = 0x5500 {odd} written (after T)",
+        f"> node 1: write coil 0x0003 = 0x5500 {odd}",
+        f"< node 1: response, exception 3 (illegal data value) to write coil 0x0003 = 0x5500 {odd} (after T)",
+        end_of(node=1, requests=4, responses=3, exceptions=1),
+        "# frames=8 bad_crc=0 incomplete=0 noise=0 damaged_bytes=0"])
+
+
+@scene()
 def what_goes_wrong(tool: Listening):
     tap = TappedLine.at(tool.folder / "tap")
     listener = tool.listen("tap zlac8015d --timeout 300 --log capture")

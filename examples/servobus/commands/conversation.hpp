@@ -126,7 +126,7 @@ class conversation {
     }
     bool answers_request(servobus::bytes pdu) const {
         const servobus::bytes asked = pdu_of(request_, request_.size());
-        return servobus::modbus::check_response(asked, pdu) == servobus::errc::ok;
+        return servobus::check_seen_response(asked, pdu) == servobus::errc::ok;
     }
 
     void take_damaged(std::size_t size) {

@@ -80,6 +80,26 @@ constexpr errc check_lone_identification(bytes pdu) {
 
 } // namespace detail
 
+/// True for a write of a coil (05), or the response that repeats it, with another value than the standard's FF00h and
+/// 0000h: there are relay modules that toggle at 5500h, or switch for a time.
+constexpr bool is_unusual_coil_write(bytes pdu) {
+    return pdu.size() == 5 && modbus::parse_bits_request(pdu).error() == errc::wrong_value;
+}
+
+/// Checks a request as it is seen on a line, where a coil may be written with any value.
+constexpr errc check_seen_request(bytes pdu) {
+    return is_unusual_coil_write(pdu) ? errc::ok : modbus::check_request(pdu);
+}
+/// Checks a response against such a request, as `modbus::check_response` does.
+constexpr status check_seen_response(bytes request, bytes pdu) {
+    if (!is_unusual_coil_write(request)) return modbus::check_response(request, pdu);
+    const std::uint8_t usual[5]{0x05, request[1], request[2], 0xFF, 0x00};
+    if (pdu.size() != 5 || pdu[0] != 0x05) return modbus::check_response(bytes{usual, 5}, pdu);
+    const bool is_same = load_word(pdu, 3) == load_word(request, 3);
+    const std::uint8_t answer[5]{0x05, pdu[1], pdu[2], is_same ? std::uint8_t{0xFF} : std::uint8_t{0}, 0x00};
+    return modbus::check_response(bytes{usual, 5}, bytes{answer, 5});
+}
+
 /// Checks a response without its request.
 /// Errors: `wrong_function` for a function that `is_of_known_function` does not know, or those of the parser of the
 /// function.
@@ -95,7 +115,7 @@ constexpr errc check_lone_response(bytes pdu) {
         const auto bits = static_cast<std::uint16_t>(8 * pdu[1]); // which leaves no padding
         return modbus::parse_bits_response({.code = code, .quantity = bits}, pdu).error();
     }
-    case function::write_single_coil: return modbus::parse_bits_request(pdu).error();
+    case function::write_single_coil: return check_seen_request(pdu);
     case function::write_multiple_coils: {
         if (pdu.size() != 5) return pdu.size() < 5 ? errc::too_short : errc::too_long;
         const std::uint16_t quantity = load_word(pdu, 3);
@@ -120,7 +140,7 @@ constexpr errc check_lone_response(bytes pdu) {
 }
 
 /// True for a well-formed request of a function whose content is known.
-constexpr bool is_request(bytes pdu) { return modbus::check_request(pdu) == errc::ok; }
+constexpr bool is_request(bytes pdu) { return check_seen_request(pdu) == errc::ok; }
 /// True for a well-formed response of such a function, or for an exception.
 constexpr bool is_response(bytes pdu) { return check_lone_response(pdu) == errc::ok; }
 

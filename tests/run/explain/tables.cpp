@@ -107,6 +107,32 @@ TEST_CASE("a write of coils has the names of their states, or on and off") {
     CHECK(say(request, {"05 00 11 00 00"}) == "write reset (0x0011) = off (outside 1..1)");
 }
 
+TEST_CASE("a coil may be written with a value that the standard has not, as relay modules toggle and time") {
+    CHECK(say(request, {"05 00 03 55 00"}) == "write valve (0x0003) = 0x5500 (no value of the standard)");
+    CHECK(say(request, {"05 00 05 00 64"}) == "write coil 0x0005 = 0x0064 (no value of the standard)");
+    CHECK(say(response, {"05 00 05 55 00"}, {"05 00 05 55 00"}) ==
+          "response, coil 0x0005 = 0x5500 (no value of the standard) written");
+    CHECK(say(unknown, {"05 00 05 55 00"}) ==
+          "write coil 0x0005 = 0x5500 (no value of the standard) (request, or "
+          "the response that echoes it)");
+    CHECK(say(response, {"85 03"}, {"05 00 05 55 00"}) ==
+          "response, exception 3 (unknown exception) to write coil 0x0005 = 0x5500 (no value of the "
+          "standard)");
+    for (const unsigned value : {0x0001u, 0x5500u, 0xFF01u, 0xFFFFu, 0xFE00u}) {
+        const std::uint8_t pdu[]{0x05, 0, 5, static_cast<std::uint8_t>(value >> 8),
+                                 static_cast<std::uint8_t>(value & 0xFFu)};
+        CHECK(is_unusual_coil_write(bytes{pdu, 5}));
+        CHECK(is_request(bytes{pdu, 5}));
+        CHECK(is_response(bytes{pdu, 5}));
+        CHECK_FALSE(is_request(bytes{pdu, 4}));
+    }
+    for (const unsigned value : {0x0000u, 0xFF00u}) {
+        const std::uint8_t pdu[]{0x05, 0, 5, static_cast<std::uint8_t>(value >> 8), 0};
+        CHECK_FALSE(is_unusual_coil_write(bytes{pdu, 5}));
+        CHECK(is_request(bytes{pdu, 5}));
+    }
+}
+
 TEST_CASE("a response of bits has their names if its request is known") {
     const printed_pdu asked{"01 00 03 00 10"};
     CHECK(say(response, {"01 02 01 A0"}, asked) ==

@@ -14,6 +14,7 @@
 #include <servobus/core/text.hpp>
 #include <servobus/explain/detail/function_names.hpp>
 #include <servobus/explain/detail/register_text.hpp>
+#include <servobus/explain/direction.hpp>
 #include <servobus/explain/table_catalogues.hpp>
 #include <servobus/modbus/bits.hpp>
 #include <servobus/registers/catalogue.hpp>
@@ -29,14 +30,21 @@ class bit_text {
         : coils_{maps.coils}, discrete_inputs_{maps.discrete_inputs}, out_{out} {}
 
     /// Writes "read pump (0x0004)" or "write pump (0x0004) = on".
-    constexpr void put_request(const modbus::bits_request& r) {
+    constexpr void put_request(bytes pdu) {
+        if (is_unusual_coil_write(pdu)) {
+            out_ << "write ";
+            return put_unusual(pdu, kind::request);
+        }
+        const modbus::bits_request r = *modbus::parse_bits_request(pdu);
         out_ << (r.is_read() ? "read " : "write ");
         put(r.code, r.address, r.quantity, r.is_read() ? modbus::bits_view{} : r.coils(), kind::request);
     }
 
     /// Writes the words of a response to function 05 or 0Fh; the one to 0Fh has no values.
     constexpr void put_written(bytes pdu) {
-        if (static_cast<modbus::function>(pdu[0]) == modbus::function::write_single_coil) {
+        if (is_unusual_coil_write(pdu)) {
+            put_unusual(pdu, kind::response);
+        } else if (static_cast<modbus::function>(pdu[0]) == modbus::function::write_single_coil) {
             const modbus::bits_request same = *modbus::parse_bits_request(pdu);
             put(same.code, same.address, same.quantity, same.coils(), kind::response);
         } else {
@@ -60,6 +68,14 @@ class bit_text {
   private:
     static constexpr const char* bit_of(modbus::function code) {
         return code == modbus::function::read_discrete_inputs ? "discrete input" : "coil";
+    }
+
+    /// Writes "valve (0x000D) = 0x5500 (no value of the standard)".
+    constexpr void put_unusual(bytes pdu, kind how) {
+        put(modbus::function::write_single_coil, load_word(pdu, 1), 1, {}, how);
+        out_ << " = ";
+        out_.hex_word(load_word(pdu, 3));
+        out_ << " (no value of the standard)";
     }
 
     /// Writes the names of bits and, if `states` is not empty, their states: "valve (0x0003) = open (0x0001), …".

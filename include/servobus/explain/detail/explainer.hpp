@@ -166,7 +166,7 @@ class explainer {
     constexpr errc mismatch(const modbus::opened& adu) const {
         if (request_.pdu.empty()) return errc::ok;
         if (adu.address != request_.address) return errc::wrong_node;
-        const status why = modbus::check_response(request_.pdu, adu.pdu);
+        const status why = check_seen_response(request_.pdu, adu.pdu);
         if (why.error() == errc::exception) return errc::ok;
         // Deviation of a device: the byte count in place of the quantity.
         const bool has_byte_count = why.error() == errc::wrong_quantity && adu.pdu[0] == 0x10 &&

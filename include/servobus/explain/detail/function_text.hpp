@@ -29,7 +29,7 @@ class function_text {
         case function::read_coils:
         case function::read_discrete_inputs:
         case function::write_single_coil:
-        case function::write_multiple_coils: return bits_.put_request(*modbus::parse_bits_request(pdu));
+        case function::write_multiple_coils: return bits_.put_request(pdu);
         case function::read_exception_status: out_ << "read exception status"; return;
         case function::get_event_counter: out_ << "read event counter"; return;
         case function::get_event_log: out_ << "read event log"; return;
