@@ -353,6 +353,36 @@ def explain(tool: Tool, *frames: str, devices: str = "zlac8015d"):
 
 
 @scene()
+def logs_of_others(tool: Tool):
+    """Lines of logs as people paste them: with words around the frame, and of Modbus TCP."""
+    for line, said in [
+        ("2024-08-29 20:58:01,016 DEBUG logging:103 SEND: 0x0 0x1 0x0 0x0 0x0 0x6 0x1 0x3 0x0 0xa 0x0 0x2",
+         "node 1 (Modbus TCP, transaction 1): read unknown registers (0x000A..0x000B)"),
+        ("[00][01][00][00][00][06][01][03][04][3A][00][01]",
+         "node 1 (Modbus TCP, transaction 1): read unknown register (0x043A)"),
+        ("<00><02><00><00><00><03><FF><83><02>",
+         "node 255 (Modbus TCP, transaction 2): response, exception 2 (illegal data address) to function 03"),
+        ("00 03 00 00 00 06 00 03 04 3A 00 01",
+         "node 0 (Modbus TCP, transaction 3): read unknown register (0x043A)"),
+        ("[16:40:36.035][D][modbus_bridge:695]: RTU send: 01 03 04 3A 00 01 A5 37  client_id=1",
+         "node 1: read unknown register (0x043A)"),
+        ("13:03:20.743 NRG: Modbus register 2, phase 0, rcvd 010404C32C9822EDD0, T 0, F 0, value -172.5943",
+         "node 1: response, 2 words 0xC32C 0x9822"),
+    ]:
+        explain(tool, line, devices="raw")
+        tool.out_is(f"explain: {line[:40]}", said)
+    asks, says = "00 07 00 00 00 06 01 03 20 AB 00 02", "00 07 00 00 00 07 01 03 04 00 64 00 64"
+    explain(tool, f"{asks} {says}")
+    tool.out_is("explain: a request and its response of Modbus TCP in one line",
+                f"bytes 1..12: {READS.replace('node 1', 'node 1 (Modbus TCP, transaction 7)')}",
+                f"bytes 13..25: {SPEEDS.replace('node 1', 'node 1 (Modbus TCP, transaction 7)')}")
+    tool.run("explain zlac8015d --hex", stdin=asks + "\n")
+    tool.out_is("explain --hex: the bytes as they were", f"{asks}  {READS.replace('node 1', 'node 1 (Modbus TCP, transaction 7)')}")
+    explain(tool, "what is 01 03 20 AB 00 02 BE 2C and more")
+    tool.status_is("explain: a damaged frame among words is none", 1)
+
+
+@scene()
 def explained(tool: Tool):
     explain(tool, "> 01 03 20 AB 00 02 BE 2B", "< 01 03 04 00 64 00 64 BA 07", "", "# a comment", "0106200E0008E20F")
     tool.out_is("explain: names, values, both directions", READS, SPEEDS,

@@ -98,9 +98,26 @@ frame_explainer::explained frame_explainer::explain(const captured& c) {
     return {std::string{room_.data(), e.size}, e.is_valid(), {way, c.frame}, 0};
 }
 
+frame_explainer::explained frame_explainer::explain(const captured& line, const tcp_frame& f, bool is_one) {
+    explained e = explain(
+        {is_one ? line.way : direction::unknown, f.rtu, is_one ? line.of_client : direction::unknown});
+    e.text = "node " + std::to_string(f.unit) + " (Modbus TCP, transaction " + std::to_string(f.transaction) +
+             ')' + e.text.substr(std::min(e.text.find(": "), e.text.size()));
+    const servobus::bytes own = servobus::bytes{line.frame}.subspan(f.offset, f.size);
+    e.frame.frame.assign(own.begin(), own.end());
+    e.offset = f.offset;
+    return e;
+}
+
 std::vector<frame_explainer::explained> frame_explainer::explain_line(const captured& c) {
     const found_frames found = log_line::find_frames(c.frame, last_request_);
-    if (found.frames.empty()) return {explain(c)};
+    if (found.frames.empty()) {
+        const std::vector<tcp_frame> over_tcp = tcp_frames_of(c.frame);
+        if (over_tcp.empty()) return {explain(c)};
+        std::vector<explained> each;
+        for (const tcp_frame& f : over_tcp) each.push_back(explain(c, f, over_tcp.size() == 1));
+        return each;
+    }
     std::vector<explained> all;
     std::size_t offset = 0;
     const auto add_noise = [&](const frame_bytes& noise, const char* where, explained* around) {

@@ -61,6 +61,7 @@ class frame_explainer {
     std::vector<explained> explain_line(const captured& c);
 
   private:
+    explained explain(const captured& line, const tcp_frame& f, bool is_one);
     servobus::explanation explain_as(const captured& c, servobus::direction way);
 
     const line_devices* devices_;

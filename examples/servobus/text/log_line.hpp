@@ -8,8 +8,9 @@
 //     [01][03][00][00][00][02][C4][0B]      <01><03><04>...      <Buffer 01 03 00 00 00 02 c4 0b>
 //     Tx:000001-01 03 00 00 00 02 C4 0B      # a comment
 //
-// A time in front is skipped, and a label if a whole frame follows it. A line may have several frames, and noise
-// before and after a frame: what a serial port gave in one read.
+// A time in front is skipped, a label if a whole frame follows it, and words behind whole frames. A line may have several
+// frames, and noise before and after a frame: what a serial port gave in one read. Bytes without an RTU frame may be frames
+// of Modbus TCP (tcp_frames.hpp).
 #pragma once
 
 #include <algorithm>
@@ -21,6 +22,7 @@
 #include <servobus/explain/explain.hpp>
 
 #include "frame_sizes.hpp"
+#include "tcp_frames.hpp"
 
 namespace tool {
 
@@ -69,27 +71,38 @@ inline std::string_view trimmed(std::string_view text) {
                               : text.substr(begin, text.find_last_not_of(" \t\r") + 1 - begin);
 }
 
-/// Bytes in hex between separators, each with two digits, or with one or two after 0x or \x.
-inline std::optional<frame_bytes> bytes_of(std::string_view text) {
+/// Bytes in hex between separators, each with two digits, or with one or two after 0x or \x: those before the first
+/// word that is no hex. `is_all`: there is none.
+struct hex_run {
+    frame_bytes bytes{};
+    bool is_all = true;
+};
+inline hex_run hex_run_of(std::string_view text) {
     frame_bytes all;
+    std::size_t whole_words = 0; // bytes of words that are hex to their ends
+    const auto ended_by_other = [&]() -> hex_run {
+        all.resize(whole_words);
+        return {std::move(all), false};
+    };
     while (!text.empty()) {
         if (is_separator(text[0])) {
+            whole_words = all.size();
             text.remove_prefix(1);
             continue;
         }
         const bool has_prefix = text.starts_with("0x") || text.starts_with("0X") || text.starts_with("\\x");
         if (has_prefix) text.remove_prefix(2);
-        if (text.empty() || !is_hex(text[0])) return std::nullopt;
+        if (text.empty() || !is_hex(text[0])) return ended_by_other();
         const bool has_two = text.size() >= 2 && is_hex(text[1]);
-        if (!has_two && !has_prefix) return std::nullopt;
+        if (!has_two && !has_prefix) return ended_by_other();
         const unsigned high = has_two ? servobus::hex_digit(text[0]) : 0u;
         const unsigned low = servobus::hex_digit(text[has_two ? 1 : 0]);
         all.push_back(static_cast<std::uint8_t>(high << 4 | low));
         text.remove_prefix(has_two ? 2 : 1);
         const bool ends = text.empty() || is_separator(text[0]) || text[0] == '\\' || is_hex(text[0]);
-        if (!ends) return std::nullopt;
+        if (!ends) return ended_by_other();
     }
-    return all;
+    return {std::move(all), true};
 }
 
 /// `(8)`, the number of bytes, at the end of a line.
@@ -155,12 +168,18 @@ inline std::string_view without_comment(std::string_view line) {
     return trimmed(line.substr(0, line.find('#')));
 }
 
-inline std::optional<captured> parse_bytes(std::string_view text) {
-    captured c;
-    std::optional<frame_bytes> all = bytes_of(without_mark(text, c));
-    if (!all || all->empty()) return std::nullopt;
-    c.frame = *std::move(all);
-    return c;
+/// The bytes with which `text` begins, after the marks of a direction.
+struct parsed_run {
+    captured line{};
+    bool is_all = false;
+};
+inline std::optional<parsed_run> parse_bytes(std::string_view text) {
+    parsed_run p;
+    hex_run run = hex_run_of(without_mark(text, p.line));
+    if (run.bytes.empty()) return std::nullopt;
+    p.line.frame = std::move(run.bytes);
+    p.is_all = run.is_all;
+    return p;
 }
 
 /// The length of the frame that begins with `from`, of a function with known lengths; 0 if none begins there.
@@ -230,19 +249,28 @@ inline found_frames find_frames(servobus::bytes all, servobus::bytes request = {
     return found;
 }
 
+/// True if the bytes are frames and nothing else.
+inline bool are_frames(servobus::bytes all) {
+    const found_frames found = find_frames(all);
+    return found.frames.empty() ? !tcp_frames_of(all).empty() : found.left_over() == 0;
+}
+
 } // namespace log_line
 
 /// Parses a line. Nothing for one that has no bytes in hex.
 inline std::optional<captured> parse_captured(std::string_view line) {
     const std::string_view text =
         log_line::without_time(log_line::without_count(log_line::without_comment(line)));
-    if (std::optional<captured> c = log_line::parse_bytes(text)) return c;
-    // A label may be in front. It ends at a separator, and a whole frame follows it.
+    std::optional<log_line::parsed_run> first = log_line::parse_bytes(text);
+    if (first && (first->is_all || log_line::are_frames(first->line.frame))) return first->line;
+    // A label may be in front, and more words behind. It ends at a separator, and a whole frame follows it.
     constexpr std::size_t longest_label = 64;
     for (std::size_t i = 1; i < text.size() && i < longest_label; ++i) {
         if (!log_line::is_separator(text[i - 1])) continue;
-        std::optional<captured> c = log_line::parse_bytes(text.substr(i));
-        if (c && !log_line::find_frames(c->frame).frames.empty()) return c;
+        const std::optional<log_line::parsed_run> p = log_line::parse_bytes(text.substr(i));
+        if (!p) continue;
+        const bool has_frame = p->is_all && !log_line::find_frames(p->line.frame).frames.empty();
+        if (has_frame || log_line::are_frames(p->line.frame)) return p->line;
     }
     return std::nullopt;
 }

@@ -64,6 +64,11 @@ TEST_CASE("a frame is parsed in each form in which programs log it") {
         {"03:04:05,678 [01][03][00][00][00][02][C4][0B]", request_bytes, unknown, request},
         {"/dev/ttyUSB0 sent: 01 03 00 00 00 02 C4 0B", request_bytes},
         {"[D][uart_debug:158]: >>> 01:03:00:00:00:02:C4:0B", request_bytes, unknown, request},
+        {"01 03 00 00 00 02 C4 0B and more", request_bytes},
+        {"[16:40:36.035][D][modbus_bridge:695]: RTU send: 01 03 00 00 00 02 C4 0B  client_id=1",
+         request_bytes},
+        {"13:03:20.743 NRG: Modbus register 2, phase 0, rcvd 010304000100022A32, T 0, F 0, value -172.5",
+         response_bytes},
     };
     for (const row& r : rows) {
         CAPTURE(r.line);
@@ -82,10 +87,40 @@ TEST_CASE("a line that is no frame in hex is refused") {
     for (const std::string_view line :
          {"", "  ", "# 01 03 00 00 00 02 C4 0B", "what is this", "1 3 0 0 0 2 c4 b", "01 03 00 00 00 02 C4 0",
           "01 03 00 00 00 02 C4 0x", "0103000000 2C40B", "0x103", "Tx:", ">", "<Buffer>", "[]", "(8)",
-          "01 03 00 00 00 02 C4 0B and more", "frame 01 03 00 00 00 02 C4 0C"}) {
+          "frame 01 03 00 00 00 02 C4 0C", "01 03 00 00 00 02 C4 0C and more",
+          "00 01 00 00 00 06 01 03 00 0A 00 and more", "at 01 03 00 00 00 02 C4 0B 11 bytes"}) {
         CAPTURE(line);
         CHECK_FALSE(parse_captured(line));
     }
+}
+
+TEST_CASE("frames of Modbus TCP are found where a line has them alone, in any form") {
+    for (const std::string_view line :
+         {"00 01 00 00 00 06 11 03 00 0A 00 02", "[00][01][00][00][00][06][11][03][00][0A][00][02]",
+          "2024-08-29 20:58:01,016 DEBUG logging:103 SEND: 0x0 0x1 0x0 0x0 0x0 0x6 0x11 0x3 0x0 0xa 0x0 0x2",
+          "sent 000100000006 1103000A0002, sent"}) {
+        CAPTURE(line);
+        const std::optional<captured> c = parse_captured(line);
+        REQUIRE(c);
+        const std::vector<tool::tcp_frame> found = tool::tcp_frames_of(c->frame);
+        REQUIRE(found.size() == 1);
+        CHECK(found[0].transaction == 1);
+        CHECK(found[0].unit == 0x11);
+        CHECK(found[0].size == 12);
+        CHECK(found[0].rtu == list(hex("11 03 00 0A 00 02 E6 99")));
+    }
+    const auto count = [](servobus::bytes all) { return tool::tcp_frames_of(all).size(); };
+    CHECK(count(hex("00 01 00 00 00 06 01 03 00 0A 00 02 00 01 00 00 00 03 01 83 02")) == 2);
+    CHECK(count(hex("00 01 00 00 00 06 FF 03 00 0A 00 02")) == 1);
+    CHECK(count(hex("00 01 00 01 00 06 01 03 00 0A 00 02")) == 0); // another protocol
+    CHECK(count(hex("00 01 00 00 00 07 01 03 00 0A 00 02")) == 0); // not whole
+    CHECK(count(hex("00 01 00 00 00 06 01 03 00 0A 00 02 00")) == 0);
+    CHECK(count(hex("00 01 00 00 00 01 01")) == 0);                // without a PDU
+    CHECK(count(hex("00 01 00 00 00 06 01 03 00 0A 00 00")) == 0); // reads nothing
+    CHECK(count(hex("00 01 00 00 00 05 01 65 00 0A 00")) == 0);    // of a function that proves nothing
+    CHECK(count(hex("01 03 00 00 00 02 C4 0C")) ==
+          0); // a damaged RTU frame: one byte of a PDU proves nothing
+    CHECK(count(hex("")) == 0);
 }
 
 TEST_CASE("damaged bytes stay what was logged") {
