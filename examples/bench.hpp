@@ -36,11 +36,11 @@ template <class Machine> class bench {
         }
         path_ = argv[1];
         host::watch_for_interruptions();
-        if (simulator_ == 0) host::ask_for_consent(Machine::warning);
         if (open() != servobus::errc::ok) {
             const std::string why = host::open_failure(path_, port_.os_error());
             end((std::string{"cannot open "} + path_ + ": " + why).c_str());
         }
+        if (simulator_ == 0) host::ask_for_consent(Machine::warning);
         was_opened_ = true;
     }
 
@@ -48,16 +48,24 @@ template <class Machine> class bench {
     bench(const bench&) = delete;
     bench& operator=(const bench&) = delete;
 
-    /// Runs a command that has to succeed. A signal does not wait for its end.
+    /// Runs a command that has to succeed, three times if need be: one that does the same if it is carried out twice. The
+    /// drive is taken over before, if its state is not known. A signal does not wait for the command's end.
     template <class Command> void must(const Command& command) {
-        const servobus::errc refusal = drive_.begin(command);
-        if (refusal != servobus::errc::ok) end(servobus::text(refusal));
-        while (!drive_.is_idle()) {
-            check_signal();
-            wire_.sleep(drive_.step());
+        for (int tries = 3;;) {
+            const servobus::routine_status how = run(command);
+            if (how) return;
+            if (--tries == 0 || how.outcome() == servobus::outcome::refused) end_at(how.error());
+            if (drive_.state() == servobus::drive_state::needs_init) (void)run(servobus::init{});
         }
-        check_signal();
-        if (!drive_.last()) end(servobus::text(drive_.last().error()));
+    }
+    /// The same for a motion that must not begin twice: it is repeated only if no byte of it was sent.
+    template <class Command> void must_once(const Command& command) {
+        for (int tries = 3;;) {
+            const servobus::routine_status how = run(command);
+            if (how) return;
+            if (--tries == 0 || how.outcome() != servobus::outcome::not_sent || how.has_changed)
+                end_at(how.error());
+        }
     }
 
     /// Shows the drive for a while.
@@ -106,12 +114,11 @@ template <class Machine> class bench {
             check_signal();
             const servobus::routine_status r = drive_.run(servobus::init{});
             if (r) break;
-            if (servobus::since(start, port_.now()) > within) end(servobus::text(r.error()));
+            if (servobus::since(start, port_.now()) > within) end_at(r.error());
             if (r.error() == servobus::errc::port_lost) (void)open();
             pause();
         }
-        const auto f = drive_.read();
-        if (!f) end(servobus::text(f.error()));
+        const auto f = look();
         show(*f);
         end_table();
         if (f->has_fault()) must(servobus::fault_reset{});
@@ -119,8 +126,7 @@ template <class Machine> class bench {
 
     /// True if the last look showed the machine standing and free of faults.
     bool is_at_rest() {
-        const auto f = drive_.read();
-        if (!f) end(servobus::text(f.error()));
+        const auto f = look();
         const bool rests = Machine::is_at_rest(*f) && !f->has_fault();
         say(rests ? Machine::at_rest : Machine::not_at_rest);
         return rests;
@@ -135,7 +141,9 @@ template <class Machine> class bench {
     bool is_simulated() const { return simulator_ != 0; }
     auto& drive() { return drive_; }
 
+    /// A heading; an end names the step that it begins.
     void say(const char* words) {
+        step_ = words;
         std::printf("-- %s\n", words);
         std::fflush(stdout);
     }
@@ -149,6 +157,19 @@ template <class Machine> class bench {
         if (host::is_interrupted()) end("interrupted");
     }
 
+    template <class Command> servobus::routine_status run(const Command& command) {
+        const servobus::errc refusal = drive_.begin(command);
+        if (refusal != servobus::errc::ok) end_at(refusal);
+        while (!drive_.is_idle()) {
+            check_signal();
+            wire_.sleep(drive_.step());
+        }
+        check_signal();
+        return drive_.last();
+    }
+    [[noreturn]] void end_at(servobus::errc why) {
+        end((std::string{step_} + ": " + servobus::text(why)).c_str());
+    }
     [[noreturn]] void end(const char* why) {
         end_table();
         std::fprintf(stderr, "%s: %s\n", Machine::name, why);
@@ -168,6 +189,13 @@ template <class Machine> class bench {
         std::fprintf(stderr, "%s: the stop was not confirmed\n", Machine::name);
     }
 
+    auto look() {
+        auto f = drive_.read();
+        for (int again = 0; !f && again < 2; ++again) f = drive_.read();
+        if (!f) end_at(f.error());
+        return f;
+    }
+
     void pause() {
         check_signal();
         host::sleep_for(servobus::milliseconds(100));
@@ -175,9 +203,8 @@ template <class Machine> class bench {
 
     void show_once() {
         check_signal();
-        const auto f = drive_.read();
-        if (!f) end(servobus::text(f.error()));
-        if (f->has_fault()) end("the drive reports a fault");
+        const auto f = look();
+        if (f->has_fault()) end((std::string{step_} + ": the drive reports a fault").c_str());
         show(*f);
         pause();
     }
@@ -204,6 +231,7 @@ template <class Machine> class bench {
     }
 
     const char* path_ = nullptr;
+    const char* step_ = "opening the port";
     int simulator_ = 0;
     host::serial port_;
     line wire_{port_, servobus::modbus::timing_at(Machine::device::facts.baud)};

@@ -9,6 +9,10 @@
 set -eu
 cd "$(dirname "$0")/.."
 
+if [ $# -gt 0 ] && [ ! -e "$1" ]; then
+    echo "run.sh: there is no port $1" >&2
+    exit 1
+fi
 if ! command -v "${CXX:-g++}" >/dev/null 2>&1; then
     . tests/support/install.sh
     must_install g++

@@ -41,7 +41,7 @@ void set_up_terminals(servo_bench& b) {
 
 void move_a_turn(servo_bench& b, std::int32_t units) {
     b.must(segment{1, units * reference_unit, 30 * r_per_min, 200 * millisecond});
-    b.must(start_segment{1});
+    b.must_once(start_segment{1});
     b.watch_until_standstill();
 }
 

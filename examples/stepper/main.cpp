@@ -24,7 +24,7 @@ constexpr motion_profile slow{5 * r_per_min, 200 * millisecond, 200 * millisecon
 void find_home(axis_bench& b) {
     b.say("homing on the encoder's index pulse");
     b.must(set_homing_profile{30 * r_per_min, 20 * r_per_min, 200 * millisecond});
-    b.must(home{homing::index_positive});
+    b.must_once(home{homing::index_positive});
     b.watch(milliseconds(300));
 }
 
@@ -41,7 +41,7 @@ void visit_stations(axis_bench& b) {
 void creep_along(axis_bench& b) {
     b.say("creeping: a way that ends by itself, ordered again and again");
     for (int i = 0; i < 5; ++i) {
-        b.must(bounded_jog{250 * pulse, slow});
+        b.must_once(bounded_jog{250 * pulse, slow});
         b.watch(milliseconds(300));
     }
     b.watch_until_standstill();

@@ -38,7 +38,7 @@ void move_by_counts(wheel_bench& b) {
     b.must(disable{});
     b.must(position_speed{30 * r_per_min, 30 * r_per_min});
     b.must(enable_in{operating_mode::relative_position});
-    b.must(move_by{2048 * pulse, 2048 * pulse});
+    b.must_once(move_by{2048 * pulse, 2048 * pulse});
     b.watch_until_standstill();
     b.must(disable{});
 }

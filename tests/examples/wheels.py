@@ -42,6 +42,16 @@ def refused_as_doctor_says(job: Job, write: str):
         job.err_has("as its error says", "the expected state was not reached")
 
 
+@scene()
+def lossy_line(job: Job):
+    """What may be repeated is repeated; another end names its step."""
+    with job.simulated(f"{DEVICE} --faults lossy --seed 3") as drive:
+        job.ends(job.begin(drive))
+        has_ended_well = job.last.status == 0 and "both wheels at rest" in job.last.out
+        names_step = job.last.status == 1 and re.search(r"^wheels: [a-z ]{8,}: [a-z ]+$", job.last.err, re.M)
+        job.check("a line that loses frames", has_ended_well or names_step, job.found())
+
+
 @scene(signal.SIGINT, signal.SIGTERM)
 def interruption(job: Job, number: signal.Signals):
     with job.moving(DEVICE, "turning") as (_, program):
