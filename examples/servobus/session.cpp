@@ -72,13 +72,34 @@ std::string why_text(const target& of, servobus::status why, const session& on) 
     return why_text(of, why, on.port());
 }
 
+std::string advice_on_number(const chosen& what, servobus::status why) {
+    using enum servobus::table;
+    constexpr std::uint8_t illegal_address = 2;
+    if (what.row != nullptr || why.exception() != illegal_address) return {};
+    struct numbered {
+        servobus::table in;
+        u16 first;
+    };
+    for (const numbered& n :
+         {numbered{discrete_inputs, 10001}, {input_registers, 30001}, {holding_registers, 40001}}) {
+        if (what.address < n.first || what.address - n.first > 9998) continue;
+        chosen meant = what;
+        meant.form.table = n.in;
+        meant.form.has_table = what.form.has_table || n.in != holding_registers;
+        meant.address = static_cast<u16>(what.address - n.first);
+        return "; a manual that counts from " + std::to_string(n.first) + " means " + raw_name(meant) +
+               " by " + std::to_string(what.address);
+    }
+    return {};
+}
+
 std::string why_text(const target& of, const chosen& what, const servobus::status& w, const session& on) {
     const bool is_refused = w.outcome() == servobus::outcome::refused;
     std::string words = is_refused ? "" : std::string{text(w.outcome())} + ", ";
     words += why_text(of, w, on);
     if (is_refused && what.row != nullptr && has(what.row->flags, servobus::flag::when_stopped))
         words += ", may be written only while the motor stands";
-    return words;
+    return words + advice_on_number(what, w);
 }
 
 std::optional<rate_and_format> parse_rate_and_format(const arguments& asked, rate_and_format otherwise) {

@@ -211,5 +211,8 @@ std::string why_text(const target& of, servobus::status why, const session& on);
 
 /// The same for a write: its outcome too, and when the register may be written.
 std::string why_text(const target& of, const chosen& what, const servobus::status& w, const session& on);
+/// Where a raw register does not exist and its address is one of those by which manuals count from 1: "; a manual that
+/// counts from 40001 means 0x0000 by 40001". Else empty.
+std::string advice_on_number(const chosen& what, servobus::status why);
 
 } // namespace tool

@@ -28,7 +28,7 @@ std::optional<snapshot> take_snapshot(session& on, const target& of, std::span<c
         }
         reading r{std::vector<u16>(what.words)};
         r.status = on.read(what, r.words);
-        if (!r.is_read()) r.why = why_text(of, r.status, on);
+        if (!r.is_read()) r.why = why_text(of, r.status, on) + advice_on_number(what, r.status);
         has_port = r.status.error() != servobus::errc::port_lost;
         taken.readings.push_back(std::move(r));
     }

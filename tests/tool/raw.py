@@ -62,6 +62,23 @@ def reads(tool: Tool, scheme: str):
                    "coil:300: refused, exception 2 (illegal data address)")
 
 
+@scene()
+def numbers_of_manuals(tool: Tool):
+    """Manuals number the tables 10001, 30001 and 40001 on; a frame counts each from 0."""
+    with on_terminal(filled()) as port:
+        for asked, number, first, meant in [("40001", 40001, 40001, "0x0000"),
+                                            ("holding:40108:2", 40108, 40001, "holding:0x006B:2"),
+                                            ("30013", 30013, 30001, "input:0x000C"),
+                                            ("input:30013", 30013, 30001, "input:0x000C"),
+                                            ("discrete:10001", 10001, 10001, "discrete:0x0000")]:
+            tool.fails(asked, f"read {port} raw {asked} {WAIT}", 1,
+                       f"; a manual that counts from {first} means {meant} by {number}")
+        for asked in ["300", "10000", "40000", "49999:1"]:
+            tool.run(f"read {port} raw {asked} {WAIT}")
+            is_told = "a manual that counts" in tool.last.err
+            tool.is_equal(f"{asked}: told", is_told, asked == "49999:1")
+
+
 WRITES = [
     ("coil:3=on", "coil:0x0003=on", "05 0003 FF00"),
     ("coil:3=off", "coil:0x0003=off", "05 0003 0000"),

@@ -105,7 +105,12 @@ class row_reader {
             row_->entry.kind = kind;
             return {};
         }
-        if (text == "f32") return "type f32 is not in files; read it as raw: raw:NODE 0x0010:f32";
+        if (text == "f32") {
+            const bool is_plain = row_->table == servobus::table::holding_registers;
+            return "type f32 is not in files; read it as raw: raw:NODE " +
+                   (is_plain ? std::string{} : table_text(row_->table) + std::string{':'}) +
+                   hex_word(row_->entry.address) + ":f32";
+        }
         return bad(map_column::type, "u16, i16, u32 or i32");
     }
 
