@@ -144,11 +144,13 @@ class Gateway:
     """The device behind a port of TCP.
 
     It closes each connection after so many responses (0: never by itself), ends after it has served so many, and closes
-    a connection in place of the response to write number `drops`.
+    a connection in place of the response to write number `drops`. Response number `damages` has a header of Modbus TCP
+    with the length `wrong_length`.
     """
 
-    def __init__(self, device: Device, scheme: str, *, closes_after=0, serves=0, drops=0, port=0):
+    def __init__(self, device: Device, scheme: str, *, closes_after=0, serves=0, drops=0, port=0, damages=0, wrong_length=0):
         self.device, self.scheme = device, scheme
+        self.damages, self.wrong_length = damages, wrong_length
         self.closes_after, self.serves, self.drops = closes_after, serves, drops
         self.connections = 0
         self.units: list[int] = []  # of the requests on Modbus TCP
@@ -213,7 +215,9 @@ class Gateway:
                         return
                     self.units.append(head[6])
                     answer = self.answer(pdu)
-                    connection.sendall(head[:4] + (len(answer) + 1).to_bytes(2, "big") + head[6:7] + answer)
+                    is_damaged = len(self.device.requests) == self.damages
+                    length = self.wrong_length if is_damaged else len(answer) + 1
+                    connection.sendall(head[:4] + length.to_bytes(2, "big") + head[6:7] + answer)
                 else:
                     frame = self.receive(connection, 4)
                     while len(frame) < size_of_request(frame):

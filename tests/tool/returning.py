@@ -108,6 +108,28 @@ def write_whose_connection_is_lost(tool: Tool, scheme: str):
         tool.is_equal(f"G15: {scheme}: it is not sent again", sent, ["0600010005", "0600020006"])
 
 
+@scene(0, 1, 3, 65535)
+def damaged_header(tool: Tool, length: int):
+    """One wrong header of Modbus TCP from a peer that has answered rightly before is damage, no other protocol."""
+    with Gateway(numbered(), "mbap", damages=2, wrong_length=length) as gateway:
+        tool.run(f"watch {gateway.name} raw 1 --count 4 --interval 20 --timeout 300")
+        tool.status_is(f"length {length}: watch goes on", 0)
+        values = tool.last.out.count(line_of(1))
+        tool.check(f"length {length}: each round but one has its value", values >= 3, tool.found())
+        tool.check(f"length {length}: no other protocol is named", "tcp://" not in tool.last.err, tool.last.err)
+    device = numbered()
+    with Gateway(device, "mbap", damages=2, wrong_length=length) as gateway:
+        tool.run(f"write {gateway.name} raw 1=5 --yes {WAIT}")
+        tool.is_equal(f"G15: length {length}: a write is not sent again",
+                      [pdu.hex() for pdu in device.requests if pdu[0] == 6], ["0600010005"])
+    if length == 3:
+        return  # of a frame with that length the first header is right
+    with Gateway(numbered(), "mbap", damages=1, wrong_length=length) as gateway:
+        tool.run(f"read {gateway.name} raw 1 --timeout 300")
+        tool.err_has(f"length {length}: of a peer that never was right the other protocol is named",
+                     "what came is no Modbus TCP: try tcp://")
+
+
 @scene()
 def serial_port(tool: Tool):
     options = "--interval 20 --timeout 300 --retries 0"

@@ -184,7 +184,7 @@ servobus::errc any_port::reopen() {
 
 bool any_port::is_foreign() const {
     const auto* modbus_tcp = std::get_if<mbap>(&port_);
-    return modbus_tcp != nullptr && modbus_tcp->is_foreign();
+    return modbus_tcp != nullptr && modbus_tcp->is_foreign() && !has_answered_;
 }
 
 // True if the response to the last request has come.
@@ -233,6 +233,7 @@ std::string any_port::diagnosis(servobus::status why) const {
     if (const auto* modbus_tcp = std::get_if<mbap>(&port_)) {
         const bool is_ipv6 = host_.find(':') != host_.npos;
         // An RTU frame may be shorter than the header of Modbus TCP.
+        if (modbus_tcp->is_foreign() && has_answered_) return "a header of Modbus TCP was wrong";
         if (modbus_tcp->is_foreign() || servobus::modbus::open_frame(came()))
             return "what came is no Modbus TCP: try tcp://" + (is_ipv6 ? '[' + host_ + ']' : host_) + ':' +
                    service_;
