@@ -24,6 +24,10 @@ inline constexpr option line_options[] = {
      "not given, the drive's own, but at least --timeout"},
     {"inter-byte", "MS", "the longest pause inside a response (default 20; 200 over a network)"},
     {"echo", "on|off", "on: the adapter receives what it sends, and what it receives is compared"},
+    {"rs485", "HOW",
+     "the system switches the driver of an RS-485 port: on, as the board says; rts-on-send or "
+     "rts-after-send, "
+     "also with the delays before and after, in ms: rts-after-send,1,0"},
 };
 inline constexpr option_group of_line{"Options of the line",
                                       "The drive's own settings if they are not given.", line_options};
@@ -87,6 +91,10 @@ inline constexpr option scan_options[] = {
      "default none: the next request goes to another address"},
     {"inter-byte", "MS", "the longest pause inside a response (default 20; 200 over a network)"},
     {"echo", "on|off", "on: the adapter receives what it sends, and what it receives is compared"},
+    {"rs485", "HOW",
+     "the system switches the driver of an RS-485 port: on, as the board says; rts-on-send or "
+     "rts-after-send, "
+     "also with the delays before and after, in ms: rts-after-send,1,0"},
 };
 
 inline constexpr option listen_options[] = {

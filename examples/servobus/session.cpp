@@ -76,6 +76,9 @@ std::string advice_on_number(const chosen& what, servobus::status why) {
     using enum servobus::table;
     constexpr std::uint8_t illegal_address = 2;
     if (what.row != nullptr || why.exception() != illegal_address) return {};
+    const std::string number = std::to_string(what.address);
+    if (what.name.find(number) == what.name.npos)
+        return {}; // it was typed in hexadecimal, as it stands in a frame
     struct numbered {
         servobus::table in;
         u16 first;
@@ -88,7 +91,7 @@ std::string advice_on_number(const chosen& what, servobus::status why) {
         meant.form.has_table = what.form.has_table || n.in != holding_registers;
         meant.address = static_cast<u16>(what.address - n.first);
         return "; a manual that counts from " + std::to_string(n.first) + " means " + raw_name(meant) +
-               " by " + std::to_string(what.address);
+               " by " + number;
     }
     return {};
 }
@@ -143,6 +146,9 @@ int session::check(const arguments& asked, const target& of) {
     const std::optional<bool> echoes = asked.on_or_off("echo");
     if (!echoes) return usage;
     settings_.keeps_echo = *echoes;
+    if (const char* const how = asked.text("rs485")) {
+        if (const std::string why = os::set_rs485(settings_, how); !why.empty()) return complain(usage, why);
+    }
     return done;
 }
 

@@ -26,6 +26,22 @@ def complains(tool: Tool, name: str, text: str):
 
 
 @scene()
+def driver_of_the_kernel(tool: Tool):
+    """--rs485 is for a port whose driver the kernel switches; a pseudo-terminal has none."""
+    with tool.simulated("zlac8015d"):
+        for how in ["on", "rts-on-send", "rts-after-send", "rts-after-send,1", "rts-after-send,1,0", "on,0,0"]:
+            tool.fails(f"--rs485 {how}", f"read drive zlac8015d bus_voltage --rs485 {how}", 1,
+                       "cannot open drive: the port cannot switch an RS-485 driver so: ")
+        tool.fails("scan", "scan drive --nodes 1 --rs485 on", 1, "the port cannot switch an RS-485 driver so: ")
+        for how in ["off", "rts", "on,", "on,1,2,3", "on,x", "on,-1", "on,1001", "rts-after-send,1,"]:
+            tool.fails(f"--rs485 {how}", f"read drive zlac8015d bus_voltage --rs485 {how}", 2,
+                       f"--rs485 takes on, rts-on-send or rts-after-send, with ,BEFORE,AFTER in ms (0..1000), not '{how}'")
+            tool.exits(f"scan --rs485 {how}", f"scan drive --rs485 {how}", 2)
+    tool.fails("a gateway", "read mbap://127.0.0.1:1 raw 0 --rs485 on", 2,
+               "the gateway switches the driver of its line, not --rs485")
+
+
+@scene()
 def local_echo(tool: Tool):
     """An adapter that receives what it sends."""
     with tool.simulated("zlac8015d --echo on"):

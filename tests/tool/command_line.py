@@ -77,7 +77,7 @@ def texts_of(source: str) -> list[str]:
 @scene()
 def written_options(tool: Documented):
     """Options that the tool's page writes, the command lines of both pages, and those of the other tests."""
-    option = "(--[a-z]+(?:-[a-z]+)*)"
+    option = "(--[a-z0-9]+(?:-[a-z]+)*)"
     written = set(re.findall(f'(?:^|[ `"]){option}', PAGES[0], re.M))
     for line in re.findall("^    servobus .*", PAGES[1], re.M):
         written |= set(re.findall(f'[ `"]{option}', line))
@@ -110,7 +110,7 @@ def every_command(tool: Documented):
             tool.err_lacks(f"{command} {option} is accepted", "unknown option")
         help_of = tool.run([command, "--help"])
         tool.status_is(f"{command} --help: status 0", 0)
-        named = sorted(re.findall("^  (--[a-z-]+)", help_of.out, re.M))
+        named = sorted(re.findall("^  (--[a-z0-9-]+)", help_of.out, re.M))
         tool.is_equal(f"{command} --help has its options and no other", named, options)
         candidates = sorted(set(tool.completed(f"servobus {command} --").split()) - {"--help"})
         tool.is_equal(f"{command}: its options are completed and no other", candidates, options)

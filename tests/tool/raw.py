@@ -73,7 +73,7 @@ def numbers_of_manuals(tool: Tool):
                                             ("discrete:10001", 10001, 10001, "discrete:0x0000")]:
             tool.fails(asked, f"read {port} raw {asked} {WAIT}", 1,
                        f"; a manual that counts from {first} means {meant} by {number}")
-        for asked in ["300", "10000", "40000", "49999:1"]:
+        for asked in ["300", "10000", "40000", "0x9C41", "9C41h", "49999:1"]:
             tool.run(f"read {port} raw {asked} {WAIT}")
             is_told = "a manual that counts" in tool.last.err
             tool.is_equal(f"{asked}: told", is_told, asked == "49999:1")

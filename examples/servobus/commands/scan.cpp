@@ -43,7 +43,7 @@ struct plan {
     servobus::bus_gaps gaps{}; ///< without an option none
     bool has_quarantine = false;
     std::optional<servobus::duration> longest_pause{};
-    bool echoes = false;
+    serial_settings settings{}; ///< but for rate and format
     bool identifies = false;
     bool names_settings = false; ///< the command line does: a simulator may insist on its rate
     bool has_setting = true;     ///< false: a gateway has it, or the port has no wire
@@ -150,7 +150,13 @@ std::optional<plan> plan_of(const arguments& asked) {
               .quarantine = servobus::milliseconds(static_cast<std::uint32_t>(*quarantine))};
     p.has_quarantine = asked.has("quarantine");
     p.limits.response = servobus::milliseconds(static_cast<std::uint32_t>(*timeout));
-    p.echoes = *echoes;
+    p.settings.keeps_echo = *echoes;
+    if (const char* const how = asked.text("rs485")) {
+        if (const std::string why = os::set_rs485(p.settings, how); !why.empty()) {
+            complain(usage, why);
+            return std::nullopt;
+        }
+    }
     p.identifies = asked.has("identify");
     p.names_settings = asked.has("baud") || asked.has("format");
     return p;
@@ -166,10 +172,9 @@ struct scanned {
 int scan_at(const char* path, std::uint32_t baud, const std::string& format, plan& p, scanned& all) {
     std::size_t garbled = 0;
     any_port port;
-    serial_settings settings;
+    serial_settings settings = p.settings;
     settings.baud = baud;
     settings.format = *parse_format(format);
-    settings.keeps_echo = p.echoes;
     if (const int status = port.open(path, settings); status != done) return status;
     port.keep_connected();
     if (port.ignores_rate() && !p.names_settings && p.has_several()) {
@@ -180,7 +185,7 @@ int scan_at(const char* path, std::uint32_t baud, const std::string& format, pla
     }
     const std::string setting = p.has_setting ? std::to_string(baud) + " " + format : "- -";
     scanned_line on{port, timing_on(path, baud, p.longest_pause)};
-    on.echo().is_on = p.echoes;
+    on.echo().is_on = p.settings.keeps_echo;
     ++all.settings;
     progress shown{setting, static_cast<std::size_t>(p.last - p.first) + 1};
     for (unsigned node_address = p.first; node_address <= p.last; ++node_address) {

@@ -7,6 +7,7 @@
 
 #include <cstdio>
 #include <string>
+#include <string_view>
 
 #ifdef _WIN32
 #include <servobus/windows/mbap.hpp>
@@ -50,6 +51,9 @@ int close_copy_of(std::FILE* stream);
 std::string error_text(int error);
 /// Who may open a device that this user may not, to append to its error; empty for any other error.
 std::string advice_on_access(const char* path, int error);
+/// Sets how the system switches the port's RS-485 driver: `on` as it is configured, `rts-on-send` or `rts-after-send`,
+/// each with `,BEFORE` and `,AFTER`, delays in whole ms. Empty, or what is wrong with `how`.
+std::string set_rs485(native::serial_settings& settings, std::string_view how);
 /// The number of an error of name resolution, in words.
 std::string resolve_error_text(int error);
 

@@ -57,6 +57,14 @@ std::string error_text(int error) {
 std::string advice_on_access(const char*, int) { return {}; }
 std::string resolve_error_text(int error) { return error_text(error); }
 
+std::string set_rs485(native::serial_settings& settings, std::string_view how) {
+    if (how != "on")
+        return "--rs485 takes on, not '" + std::string{how} +
+               "': the adapter's driver has polarity and delays";
+    settings.rs485 = true;
+    return {};
+}
+
 } // namespace os
 } // namespace tool
 

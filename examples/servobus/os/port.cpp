@@ -66,6 +66,8 @@ int open_serial(native::serial& port, const char* name, const serial_settings& s
     const int error = static_cast<int>(port.os_error());
     if (why == errc::bad_argument)
         return complain_of(name, "no serial device, or not with these settings: " + os::error_text(error));
+    if (why == errc::rs485_refused || why == errc::rs485_late)
+        return complain_of(name, text(why) + (error == 0 ? std::string{} : ": " + os::error_text(error)));
     return complain_of(name, os::error_text(error) + os::advice_on_access(name, error));
 }
 
@@ -111,6 +113,10 @@ bool any_port::is_mbap(std::string_view name) { return name.starts_with("mbap://
 bool any_port::is_network(std::string_view name) { return is_tcp(name) || is_mbap(name); }
 
 bool leaves_setting_to_gateway(const arguments& asked) {
+    if (asked.has("rs485")) {
+        complain(usage, "the gateway switches the driver of its line, not --rs485");
+        return false;
+    }
     if (!asked.has("baud") && !asked.has("format")) return true;
     complain(usage, "the gateway sets rate and format of its line, not --baud and --format");
     return false;
