@@ -13,6 +13,7 @@
 #include "os/port.hpp"
 #include "text/line_settings.hpp"
 #include "text/raw.hpp"
+#include "text/stray_bytes.hpp"
 #include "tool.hpp"
 
 namespace tool {
@@ -108,7 +109,7 @@ std::string why_text(const target& of, servobus::status why, const any_port& por
 /// the switch or a lost answer. Above the session the high word is always first.
 class session {
   public:
-    using line_type = servobus::line<any_port, servobus::counters, servobus::echoed>;
+    using line_type = servobus::line<any_port, stray_bytes, servobus::echoed>;
     using client_type = servobus::client<line_type, any_device, any_node>;
 
     static constexpr servobus::table holding = servobus::table::holding_registers;
@@ -157,6 +158,13 @@ class session {
     /// Reads one row once, without a retry.
     servobus::status probe(const servobus::entry& row, servobus::table from);
     servobus::modbus::rtu_timing timing() const { return line_->timing(); }
+    /// Listens on after the last response, for as long as a second one would take to begin.
+    void listen_on();
+    /// What came beside the responses so far, in words; empty if nothing did.
+    std::string strays() const {
+        return has_worked_ ? line_->observer().text(node_.address, node_.limits.response.us / 1000)
+                           : std::string{};
+    }
 
     /// From now on a port that was lost is opened anew, and what cannot have been sent leaves then: a call waits for it
     /// for `patience`. Says so on standard error.

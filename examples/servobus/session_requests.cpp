@@ -253,6 +253,23 @@ servobus::status session::write_now(const chosen& what, std::span<const u16> wor
     return w;
 }
 
+void session::listen_on() {
+    constexpr servobus::duration silence = servobus::milliseconds(25), longest = servobus::milliseconds(300);
+    std::uint8_t room[256];
+    const servobus::instant begun = port_.now();
+    servobus::instant last = begun;
+    while (has_worked_ && !is_lost_ && since(last, port_.now()) < silence &&
+           since(begun, port_.now()) < longest) {
+        const servobus::transfer got = port_.receive(room);
+        if (!got) break;
+        if (*got != 0) {
+            line_->observer().on_unexpected(servobus::bytes{room, *got});
+            last = port_.now();
+        }
+        port_.wait(servobus::milliseconds(1));
+    }
+}
+
 std::size_t session::count_after(servobus::bytes frame, servobus::duration time,
                                  std::vector<std::uint8_t>* all) {
     std::size_t sent = 0, came = 0;

@@ -43,6 +43,8 @@ class Device:
         self.began: list[float] = []  # when each of them had come
         self.delays: list[float] = []  # s, before the next responses
         self.pause = 0.0  # s, inside each response on a terminal
+        self.follows = 0.0  # s, after each response on a terminal: it is sent again, or `stray` is sent
+        self.stray = b""
         self.is_pulled_by_write = False  # a terminal ends in place of the response
         self.identification: dict[int, list[bytes]] = {}  # by kind, the parts of function 2Bh after its kind
         self.server_id = b""
@@ -125,6 +127,9 @@ def on_terminal(device: Device, node: int = 1, echoes: bool = False):
                         response = response[3:]
                         time.sleep(device.pause)
                     os.write(ours, response)
+                    if device.follows:
+                        time.sleep(device.follows)
+                        os.write(ours, device.stray or response)
 
     def run():
         serve()

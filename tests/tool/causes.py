@@ -12,6 +12,7 @@ import sys
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
+from any_device import Device, on_terminal
 from odd_peer import odd_peer
 from programs import Tool, play_tool, scene
 
@@ -23,6 +24,53 @@ def complains(tool: Tool, name: str, text: str):
     """The last run has status 1, no output, and one line of complaint, which is this."""
     is_so = tool.last.status == 1 and tool.last.out == "" and tool.last.err == f"servobus: {text}\n"
     tool.check(name, is_so, f"expected {text}\n{tool.found()}")
+
+
+TWO = "a request to node 1 had two responses: two devices have this address"
+STRAY = "3 bytes came beside the responses: another program or master sends on this line, or it picks up noise"
+
+
+@scene()
+def beside_the_responses(tool: Tool):
+    """What comes after a response is counted and said: a second response, or the bytes of somebody else."""
+    tool.write("meter.csv", "address,name,type,access\n1,first,u16,ro\n2,second,u16,ro\n")
+    device = Device()
+    device.holding[1:3] = [300, 2400]
+    with on_terminal(device) as port:
+        for words, said in [("read", "first=300"), ("watch", "first=300"), ("doctor", "")]:
+            device.follows, device.stray = 0.0, b""
+            on = f"{words} {port} meter.csv {'' if words == 'doctor' else 'first second'} --timeout 500"
+            on += " --count 3 --interval 60" if words == "watch" else ""
+            tool.run(on)
+            heard = tool.last.out + tool.last.err
+            tool.check(f"{words}: nothing is said where nothing came", said in heard and "came beside" not in heard
+                       and "two responses" not in heard, tool.found())
+            device.follows = 0.012
+            tool.run(on)
+            tool.check(f"{words}: two responses to a request", TWO in tool.last.out + tool.last.err, tool.found())
+            device.stray = b"\x55\x01\x66"
+            tool.run(on)
+            heard = tool.last.out + tool.last.err
+            tool.check(f"{words}: bytes of somebody else", "came beside the responses: another program or master" in heard,
+                       tool.found())
+            device.stray = b"\x00\xff"
+            tool.run(on)
+            heard = tool.last.out + tool.last.err
+            tool.check(f"{words}: what a driver gives as it is switched is nothing", "came beside" not in heard, tool.found())
+        device.follows, device.stray = 0.012, b"\x55\x01\x66"
+        tool.run(f"read {port} meter.csv first --timeout 500")
+        tool.err_has("read: after one response", f"servobus: warning: {STRAY}")
+        tool.status_is("read: what was read is read", 0)
+
+
+@scene()
+def doubled_responses(tool: Tool):
+    with tool.simulated("zlac8015d --faults doubled --seed 1"):
+        tool.run("doctor drive zlac8015d:1 --timeout 2000")
+        tool.out_has("doctor of a drive: two responses to a request", f"matters  {TWO}")
+    with tool.simulated("zlac8015d"):
+        tool.run("doctor drive zlac8015d:1 --timeout 2000")
+        tool.check("and not where each has one", TWO not in tool.last.out, tool.found())
 
 
 @scene()

@@ -74,6 +74,7 @@ class consultation {
         if (!read(held, diagnosis::rows_of(e.checks, *of_->kind->map), &e.checks)) return end();
         for (const diagnosis::check* c : diagnosis::find(e.checks, held))
             to_.finding(*c, held, *of_->kind->map);
+        judge_strays();
         return to_.end(true);
     }
 
@@ -89,11 +90,19 @@ class consultation {
         const servobus::status ended = diagnosis::judge_rows(to_, on_, *of_);
         if (interrupts::came()) return failed;
         if (ended.error() != servobus::errc::ok) diagnosis::explain_silence(to_, port_, *of_, ended, on_);
+        judge_strays();
         return to_.end(false);
     }
 
     // An interruption ends it without a result.
-    int end() { return interrupts::came() ? failed : to_.end(true); }
+    int end() {
+        judge_strays();
+        return interrupts::came() ? failed : to_.end(true);
+    }
+    void judge_strays() {
+        on_.listen_on();
+        if (const std::string strays = on_.strays(); !strays.empty()) to_.warn(strays, "");
+    }
 
     void judge_line(const servobus::entry& row, servobus::table from) {
         const diagnosis::response_times took = diagnosis::judge_responses(to_, on_, row, from);

@@ -46,6 +46,8 @@ int read_all(session& on, const target& of, std::span<const chosen> wanted, reco
             failures += (failures.empty() ? "" : "; ") + wanted[i].name + ": " + r.why;
         }
     }
+    on.listen_on();
+    if (const std::string strays = on.strays(); !strays.empty()) note("warning: " + strays);
     return failures.empty() ? done : complain(failed, failures);
 }
 

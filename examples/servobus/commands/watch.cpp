@@ -140,6 +140,7 @@ int watch(const arguments& asked) {
     std::uint64_t us = 0;
     bool answered = false;
     bool has_port = true;
+    bool has_warned = false;
     std::string why;
     for (std::int64_t round = 0; !interrupts::came() && (*count == 0 || round < *count); ++round) {
         wait_until(due);
@@ -151,6 +152,10 @@ int watch(const arguments& asked) {
         const std::optional<snapshot> taken = take_snapshot(on, *of, wanted);
         if (!taken) return done;
         answered = answered || taken->has_answer();
+        if (const std::string strays = has_warned ? std::string{} : on.strays(); !strays.empty()) {
+            note("warning: " + strays);
+            has_warned = true;
+        }
         if (const int status = records.put(*taken); status != done) return status;
         if (records.has_display() && !screen.show(shown_registers(wanted, *taken), us / 1000)) return failed;
         why = taken->readings.back().why;
