@@ -232,6 +232,32 @@ TEST_CASE("a jog runs until a halt, in both directions") {
     CHECK(r.r_per_min() == 10);
 }
 
+TEST_CASE("a homing whose start got no response is stopped") {
+    rig r;
+    REQUIRE(r.make_ready());
+    r.model.attach(
+        {.home_from = 200'000, .home_to = 260'000, .negative_limit = -900'000, .positive_limit = 900'000});
+    REQUIRE(r.drive.run(homing_by{homing_mode::forward_home_switch, 300 * r_per_min, 60 * r_per_min,
+                                  100 * millisecond, 30'000}));
+    REQUIRE(r.drive.run(enable_in{control_mode::position}));
+    REQUIRE(r.drive.begin(home{30 * second}) == errc::ok);
+    bool was_struck = false;
+    for (int i = 0; i < 100'000 && !r.drive.is_idle(); ++i) {
+        const auto& f = r.requests.back();
+        const bool is_start =
+            f[1] != 0x03 && load_word(bytes{f}, 2) == homing_control.address && f[f.size() - 3] != 0;
+        was_struck = was_struck || is_start;
+        r.wire.faults().lost_response = is_start ? 1000 : 0;
+        r.turn();
+    }
+    CHECK(was_struck);
+    CHECK(r.drive.last().outcome() == outcome::unknown);
+    r.wire.faults().lost_response = 0;
+    r.loop(3000);
+    CHECK(r.model.stands_still());
+    CHECK_FALSE(r.model.enabled());
+}
+
 TEST_CASE("homing on a switch waits for the end and confirms it; a homing that does not end is switched "
           "off") {
     rig r;

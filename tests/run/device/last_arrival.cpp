@@ -122,6 +122,25 @@ TEST_CASE_TEMPLATE("G34: a move that is refused as busy leaves the one under way
     CHECK(drive.arrival().how == arrival_state::reached);
 }
 
+TEST_CASE("G34: a move of one wheel that begins leaves the other its arrival") {
+    using namespace zlac8015d;
+    using which = zlac8015d::wheels;
+    simulated::driven_zlac8015d r;
+    REQUIRE(r.drive.run(init{}));
+    REQUIRE(r.drive.run(enable_in{operating_mode::relative_position, synchronisation::asynchronous}));
+    REQUIRE(r.drive.run(move_left_by{4096 * pulse}));
+    REQUIRE(r.drive.run(wait_wheels_reached{which::left}));
+    REQUIRE(r.drive.arrival(which::left).how == arrival_state::reached);
+    REQUIRE(r.drive.begin(move_right_by{4096 * pulse}) == errc::ok);
+    for (int i = 0; i < 100'000 && !r.drive.is_idle(); ++i) {
+        CHECK(r.drive.arrival(which::left).how == arrival_state::reached);
+        CHECK(r.drive.arrival(which::right).how == arrival_state::none);
+        const duration idle = r.drive.step();
+        r.wire.wait(idle.us == 0 ? microseconds(10) : idle);
+    }
+    CHECK(r.drive.last());
+}
+
 TEST_CASE("G34: a C630S has no arrival while its next segment begins, nor if that is refused") {
     servo s;
     auto& drive = s.r.drive;

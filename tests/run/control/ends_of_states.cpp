@@ -1,0 +1,74 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// What ends an absence, a stop that is repeated, and a command that is given up: the response that followed, the command
+// that replaced the stop, and what the command had sent.
+#include <cstdint>
+
+#include <doctest/doctest.h>
+
+#include <tests/support/driven_c630s.hpp>
+#include <tests/support/driven_zlac8015d.hpp>
+
+namespace ends_of_states_tests {
+
+using namespace servobus;
+
+namespace {
+
+void turn(simulated::driven_zlac8015d& r) {
+    const duration idle = r.drive.step();
+    r.wire.wait(idle.us == 0 ? microseconds(10) : idle);
+}
+void loop(simulated::driven_zlac8015d& r, std::uint32_t ms) {
+    const std::uint64_t end = r.wire.time_us() + std::uint64_t{ms} * 1000u;
+    while (r.wire.time_us() < end) turn(r);
+}
+
+} // namespace
+
+TEST_CASE("G28: a drive that responded to its last request is not absent, though its watchdog has passed") {
+    simulated::driven_zlac8015d r;
+    REQUIRE(r.drive.run(init{}));
+    r.wire.faults().lost_response = 1000;
+    REQUIRE_FALSE(r.drive.read());
+    r.wire.faults().lost_response = 0;
+    REQUIRE(r.drive.run(init{}));
+    REQUIRE(r.drive.read());
+    r.wire.pass(milliseconds(2000)); // the program rests
+    (void)r.drive.step();
+    REQUIRE(r.drive.state() == drive_state::needs_init);
+    CHECK_FALSE(r.drive.is_absent());
+}
+
+TEST_CASE("G26: an init ends the repetition of a stop that was not confirmed") {
+    simulated::driven_zlac8015d r{{}, {.feedback = milliseconds(20), .command_timeout = milliseconds(300)}};
+    REQUIRE(r.drive.run(init{}));
+    REQUIRE(r.drive.run(enable{}));
+    r.wire.faults().lost_response = 1000;
+    REQUIRE_FALSE(r.drive.run(disable{}));
+    r.wire.faults().lost_response = 0;
+    REQUIRE(r.drive.run(init{}));
+    REQUIRE(r.drive.run(enable{}));
+    loop(r, 1000);
+    CHECK(r.drive.state() == drive_state::enabled);
+    CHECK(r.model.enabled());
+}
+
+TEST_CASE("G16: a command that is given up while a read of it is on the wire has sent nothing") {
+    simulated::driven_c630s r;
+    REQUIRE(r.make_ready());
+    REQUIRE(r.drive.begin(c630s::read_wide_position{c630s::wide_position::mechanical}) == errc::ok);
+    auto& m = r.drive.machine();
+    for (int i = 0; i < 100'000 && !(m.is_on_the_wire() && m.purpose() == flight::step); ++i) {
+        (void)r.drive.step();
+        r.wire.wait(microseconds(10));
+    }
+    REQUIRE(m.exchange().request()[1] == 0x03);
+    m.give_up(errc::clock_stopped, r.line.now()); // as a blocking call does
+    m.notify(r.line);
+    CHECK(r.drive.last().error() == errc::clock_stopped);
+    CHECK(r.drive.last().outcome() == outcome::not_sent);
+}
+
+} // namespace ends_of_states_tests
