@@ -48,8 +48,8 @@ template <class Machine> class bench {
     bench(const bench&) = delete;
     bench& operator=(const bench&) = delete;
 
-    /// Runs a command that has to succeed, three times if need be: one that does the same if it is carried out twice. The
-    /// drive is taken over before, if its state is not known. A signal does not wait for the command's end.
+    /// Runs a command that has to succeed and does the same if it is carried out twice: three times if need be. A drive
+    /// whose state is not known is taken over before. A signal does not wait for the command's end.
     template <class Command> void must(const Command& command) {
         for (int tries = 3;;) {
             const servobus::routine_status how = run(command);

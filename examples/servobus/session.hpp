@@ -160,7 +160,7 @@ class session {
     servobus::modbus::rtu_timing timing() const { return line_->timing(); }
     /// Listens on after the last response, for as long as a second one would take to begin.
     void listen_on();
-    /// What came beside the responses so far, in words; empty if nothing did.
+    /// Names what came beside the responses so far; empty if nothing did.
     std::string strays() const {
         return has_worked_ ? line_->observer().text(node_.address, node_.limits.response.us / 1000)
                            : std::string{};

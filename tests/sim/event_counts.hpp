@@ -190,8 +190,8 @@ struct event_counts {
                     static_cast<unsigned long long>(crc_chances));
     }
 
-    /// Each kind of strike, and writes that an adapter returned after a failure, were played as often as 1000 runs of all
-    /// kinds demand, and in proportion for others. Prints those that were not. Fewer runs have no floor.
+    /// Each kind of strike, and writes that an adapter returned after a failure, were played as often as 1000 runs of
+    /// all kinds demand, and in proportion for others. Prints those that were not. Fewer runs have no floor.
     bool has_struck_all() const {
         if (runs < 1000) return true;
         bool is_met = true;

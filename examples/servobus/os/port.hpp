@@ -54,8 +54,8 @@ class any_port {
     /// How often a connection was made.
     unsigned connections() const { return connections_; }
     bool is_network() const { return !host_.empty(); }
-    /// True if the port was lost since what came is no Modbus TCP, and nothing of it ever was: one wrong header of a peer
-    /// that has answered rightly is damage.
+    /// True if the port was lost because its peer speaks no Modbus TCP. One wrong header of a peer that has responded
+    /// before is damage.
     bool is_foreign() const;
 
     /// In the network: drops the connection with what has not left, and connects anew. A connection loses nothing, so

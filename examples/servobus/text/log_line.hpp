@@ -8,9 +8,9 @@
 //     [01][03][00][00][00][02][C4][0B]      <01><03><04>...      <Buffer 01 03 00 00 00 02 c4 0b>
 //     Tx:000001-01 03 00 00 00 02 C4 0B      # a comment
 //
-// A time in front is skipped, a label if a whole frame follows it, and words behind whole frames. A line may have several
-// frames, and noise before and after a frame: what a serial port gave in one read. Bytes without an RTU frame may be frames
-// of Modbus TCP (tcp_frames.hpp).
+// A time in front is skipped, a label if a whole frame follows it, and words after whole frames. A line may have
+// several frames, and noise before and after a frame: what a serial port gave in one read. Bytes without an RTU frame
+// may be frames of Modbus TCP (tcp_frames.hpp).
 #pragma once
 
 #include <algorithm>

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// What came beside the responses of a session, and what it may be: a second device at the address, a response after its time
-// limit, another program or master that sends.
+// Keeps the bytes that came beside the responses of a session, and names their cause: a second device at the address,
+// a response after its time limit, another program or master that sends.
 #pragma once
 
 #include <algorithm>

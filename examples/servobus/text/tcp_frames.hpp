@@ -27,8 +27,8 @@ namespace detail {
 
 inline constexpr std::size_t tcp_header = 6; ///< with the length, before the unit
 
-// The size of the frame at the beginning of `from`; 0 if none begins there. A header alone proves nothing, so the PDU must
-// be one of a known function and have two bytes: a damaged RTU frame may look like a header and one byte.
+// The size of the frame at the beginning of `from`; 0 if none begins there. A header alone proves nothing, so the PDU
+// must be one of a known function and have two bytes: a damaged RTU frame may look like a header and one byte.
 inline std::size_t tcp_size_at(servobus::bytes from) {
     if (from.size() < tcp_header + 3 || servobus::load_word(from, 2) != 0) return 0;
     const std::size_t size = tcp_header + servobus::load_word(from, 4);

@@ -238,8 +238,8 @@ class serial {
 
     /// True when the last stop bit has left the wire; see the top of this header. As it turns true, it discards the
     /// local echo. If it is called later than t3.5 after the end of the request, the bytes may be the response: they
-    /// stay, unless this adapter has echoed the last request that was seen in time: then it discards no more of them than
-    /// were sent.
+    /// stay, unless this adapter has echoed the last request that was seen in time: then it discards as many of them
+    /// as were sent.
     bool sent() {
         if (!sending_.is_under_way()) return true;
         if (is_open()) {

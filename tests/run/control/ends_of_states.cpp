@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// What ends an absence, a stop that is repeated, and a command that is given up: the response that followed, the command
-// that replaced the stop, and what the command had sent.
+// An absence ends with the next response, the repetition of a stop with the command that replaces it, and a command that
+// is given up as it has sent something or nothing.
 #include <cstdint>
 
 #include <doctest/doctest.h>

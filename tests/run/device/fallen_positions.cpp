@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Where a position falls as a restart makes it fall: of either wheel of a ZLAC8015D, and of a YAKO by all but a trembling.
+// A position that falls as a restart makes it fall ends the knowledge of it: either wheel of a ZLAC8015D, and a YAKO.
 #include <cstdint>
 
 #include <doctest/doctest.h>
