@@ -135,7 +135,7 @@ TEST_CASE_TEMPLATE(
 TEST_CASE_TEMPLATE("an echo that no line handles, and a driver that is switched, leave the response as it is",
                    L, ALL_LINES) {
     for (const bool has_echo : {false, true}) {
-        for (const std::uint8_t glitch : {0x00, 0xFF}) {
+        for (const std::uint8_t glitch : {std::uint8_t{0x00}, std::uint8_t{0xFF}}) {
             L r;
             r.port.call_us = 20;
             r.port.echoes = has_echo;
