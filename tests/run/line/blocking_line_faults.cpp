@@ -298,7 +298,9 @@ struct fault {
             return p.say(500 + 2 * p.character_us + 2000 + any[0] % 16'000, {whole.begin() + 2, whole.end()});
         case 12: response = byte_list(any[0] % 5, any[1] % 2 == 0 ? 0x00 : 0xFF) + whole; break;
         case 13: response = whole + noise; break;
-        case 14: p.say(500, whole); return p.say(500 + size * p.character_us + any[0] % 1700, whole);
+        case 14: // twice, the second time before the next request: while that leaves it would be another node's frame
+            p.say(500, whole);
+            return p.say(500 + size * p.character_us + any[0] % 1600, whole);
         default: return p.say(500 + any[0] % 95'000, whole);
         }
         p.say(500 + any[3] % 1000, response);
