@@ -112,6 +112,8 @@ class driven_port {
         heard.clear();
         before.clear();
         silence_before = begun_at = left_at = 0;
+        while_leaving.clear();
+        is_garbled_while_leaving = false;
         is_slow = false;
         calls_ = 0;
     }
@@ -140,13 +142,17 @@ class driven_port {
     bool has_rest = false;             ///< `sent` has not yet reported that all bytes taken have left
     std::uint64_t rest_left_at = 0;    ///< when `sent` last reported that, before the request
     bool has_lied = false;
-    bool has_local_echo = false;    ///< some responses are the request itself, with zeros after it
-    bool echoes_byte_count = false; ///< as quantity, in the response to 10h
-    reference::byte_list request;   ///< the bytes that were taken
-    reference::list<arrival> heard; ///< since the request had left
+    bool is_garbled_while_leaving = false;
+    std::uint64_t last_while_leaving = 0; ///< when the last of `while_leaving` was given
+    bool has_local_echo = false;          ///< some responses are the request itself, with zeros after it
+    bool echoes_byte_count = false;       ///< as quantity, in the response to 10h
+    reference::byte_list request;         ///< the bytes that were taken
+    reference::list<arrival> heard;       ///< since the request had left
     reference::list<sound> before;
+    reference::byte_list while_leaving; ///< received between the first byte of the request and `sent`
 
   private:
+    bool is_leaving() const { return !request.empty() && left_at == 0; }
     bool is_calm() const { return in_->empty(); }
     unsigned next() { return in_->byte(); } // 0, no fault, after the end of the input
     // Counts calls instead of measuring time, so that a call that never ends is found on any machine.
@@ -170,6 +176,10 @@ class driven_port {
             heard.push_back({byte, time, gap});
             gap = 0;
             if (request.empty()) before.push_back({time, byte == 0x00 || byte == 0xFF});
+            if (is_leaving()) {
+                while_leaving.push_back(byte);
+                last_while_leaving = time;
+            }
         }
         if (given_ == coming_.size()) drop_coming();
         gap_us_ = 0;
@@ -182,6 +192,7 @@ class driven_port {
     }
     servobus::status failed(bool is_garbled) {
         if (!is_garbled) return {servobus::errc::port_lost};
+        is_garbled_while_leaving = is_garbled_while_leaving || is_leaving();
         if (request.empty()) {
             before.push_back({time, false});
             active_at = time;

@@ -269,6 +269,8 @@ template <modbus::timing_mode Mode, duration Quarantine> class bench {
                     "a request that has not left ends with an error that shows it");
             return;
         }
+        if (port.is_garbled_while_leaving) return; // of which byte is not known
+        if (is_disturbed(c.request)) return judge_disturbed(w, response);
         const answer came{port, c.request, c.limits, line_.timing()};
         const byte_list valid = came.valid();
         if (w || why == errc::exception) {
@@ -283,6 +285,38 @@ template <modbus::timing_mode Mode, duration Quarantine> class bench {
         if (why == errc::timeout)
             require(port.time - port.left_at >= c.limits.response.us,
                     "a timeout comes after the time limit, not before");
+    }
+
+    // True if bytes came while the request left that are neither its echo nor 00 or FF.
+    bool is_disturbed(const byte_list& request) const {
+        std::size_t echoed = 0;
+        for (const std::uint8_t byte : on_->port.while_leaving) {
+            if (echoed < request.size() && byte == request[echoed])
+                ++echoed;
+            else if (byte != 0x00 && byte != 0xFF)
+                return true;
+        }
+        return false;
+    }
+    // Another node's frame may have begun while the request left: a response counts after a gap only.
+    void judge_disturbed(const status& w, bytes response) const {
+        if (!w && w.error() != errc::exception) return;
+        const auto& heard = on_->port.heard;
+        const std::uint64_t least =
+            std::min<std::uint64_t>(line_.timing().longest_gap(1).us, line_.timing().t3_5);
+        // The true time before each byte, of which the line has seen at most as much as a gap.
+        bool is_after_gap = false;
+        bool is_found = false; // the response, after one
+        std::uint64_t last = on_->port.last_while_leaving;
+        for (auto at = heard.begin(); at != heard.end() && !is_found; ++at) {
+            is_after_gap = is_after_gap || at->at - last >= least;
+            last = at->at;
+            const auto rest = static_cast<std::size_t>(heard.end() - at);
+            is_found = is_after_gap && rest >= response.size() &&
+                       std::equal(response.begin(), response.end(), at,
+                                  [](std::uint8_t byte, const auto& a) { return a.byte == byte; });
+        }
+        require(is_found, "G6 what follows a frame that began while the request left is no response");
     }
 
     fuzz::wire* on_;
