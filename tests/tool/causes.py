@@ -39,13 +39,14 @@ def beside_the_responses(tool: Tool):
     with on_terminal(device) as port:
         for words, said in [("read", "first=300"), ("watch", "first=300"), ("doctor", "")]:
             device.follows, device.stray = 0.0, b""
-            on = f"{words} {port} meter.csv {'' if words == 'doctor' else 'first second'} --timeout 500"
-            on += " --count 3 --interval 60" if words == "watch" else ""
+            registers = {"read": "first second", "watch": "first", "doctor": ""}[words]
+            on = f"{words} {port} meter.csv {registers} --timeout 500"
+            on += " --count 3 --interval 200" if words == "watch" else ""  # what follows a response comes between rounds
             tool.run(on)
             heard = tool.last.out + tool.last.err
             tool.check(f"{words}: nothing is said where nothing came", said in heard and "came beside" not in heard
                        and "two responses" not in heard, tool.found())
-            device.follows = 0.012
+            device.follows = 0.005
             tool.run(on)
             tool.check(f"{words}: two responses to a request", TWO in tool.last.out + tool.last.err, tool.found())
             device.stray = b"\x55\x01\x66"
@@ -57,7 +58,7 @@ def beside_the_responses(tool: Tool):
             tool.run(on)
             heard = tool.last.out + tool.last.err
             tool.check(f"{words}: what a driver gives as it is switched is nothing", "came beside" not in heard, tool.found())
-        device.follows, device.stray = 0.012, b"\x55\x01\x66"
+        device.follows, device.stray = 0.005, b"\x55\x01\x66"
         tool.run(f"read {port} meter.csv first --timeout 500")
         tool.err_has("read: after one response", f"servobus: warning: {STRAY}")
         tool.status_is("read: what was read is read", 0)

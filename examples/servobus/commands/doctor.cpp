@@ -74,8 +74,7 @@ class consultation {
         if (!read(held, diagnosis::rows_of(e.checks, *of_->kind->map), &e.checks)) return end();
         for (const diagnosis::check* c : diagnosis::find(e.checks, held))
             to_.finding(*c, held, *of_->kind->map);
-        judge_strays();
-        return to_.end(true);
+        return end();
     }
 
     int examine_any() {

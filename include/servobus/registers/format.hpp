@@ -63,6 +63,15 @@ namespace detail {
 constexpr void put_symbol(text_writer& out, unit u) {
     if (u.of != measure::none) out << ' ' << symbol(u.of);
 }
+} // namespace detail
+
+/// Writes a raw count with the register's scale and unit: `12.5 A`.
+constexpr void put_quantity(text_writer& out, const entry& e, std::int64_t count) {
+    put_count(out, count, e.unit_of_count);
+    detail::put_symbol(out, e.unit_of_count);
+}
+
+namespace detail {
 
 constexpr void put_name(text_writer& out, const char* name, value_format how) {
     for (; *name != '\0'; ++name) out << (how == value_format::tokens && *name == ' ' ? '_' : *name);
@@ -71,12 +80,6 @@ constexpr void put_name(text_writer& out, const char* name, value_format how) {
 constexpr void put_bits(text_writer& out, const entry& e, u32 bits) {
     out << "0x";
     out.hex(bits, e.words() == 2 ? 8 : 4);
-}
-
-constexpr void put_unnamed(text_writer& out, const entry& e, u32 bits) {
-    if (!e.is_quantity()) return put_bits(out, e, bits);
-    put_count(out, e.number(bits), e.unit_of_count);
-    put_symbol(out, e.unit_of_count);
 }
 
 constexpr void put_names(text_writer& out, const entry& e, u32 bits, value_format how) {
@@ -89,7 +92,7 @@ constexpr void put_names(text_writer& out, const entry& e, u32 bits, value_forma
         named |= v.mask;
         is_first = false;
     }
-    if (is_first) return put_unnamed(out, e, bits);
+    if (is_first) return e.is_quantity() ? put_quantity(out, e, e.number(bits)) : put_bits(out, e, bits);
     if (const u32 rest = bits & ~named; rest != 0) {
         out << (how == value_format::tokens ? "+" : " + ");
         put_bits(out, e, rest);
@@ -111,12 +114,6 @@ constexpr void put_halves(text_writer& out, const entry& e, u16 word, value_form
     put_symbol(out, e.unit_of_count);
 }
 } // namespace detail
-
-/// Writes a raw count with the register's scale and unit: `12.5 A`.
-constexpr void put_quantity(text_writer& out, const entry& e, std::int64_t count) {
-    put_count(out, count, e.unit_of_count);
-    detail::put_symbol(out, e.unit_of_count);
-}
 
 /// Writes the meaning of a register's raw bits: `12.5 A`, `enable (0x0008)`, `left 35 degC / right 36 degC`;
 /// of a number that has names for some values the name, or the number with its unit.

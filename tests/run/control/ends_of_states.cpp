@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// An absence ends with the next response, the repetition of a stop with the command that replaces it, and a command that
-// is given up as it has sent something or nothing.
+// An absence ends with the next response, and the repetition of a stop with the command that replaces it. A command
+// that is given up has the outcome of what it had sent.
 #include <cstdint>
 
 #include <doctest/doctest.h>

@@ -232,13 +232,21 @@ TEST_CASE("a jog runs until a halt, in both directions") {
     CHECK(r.r_per_min() == 10);
 }
 
-TEST_CASE("a homing whose start got no response is stopped") {
-    rig r;
+namespace {
+
+void be_before_home_switch(rig& r) {
     REQUIRE(r.make_ready());
     r.model.attach(
         {.home_from = 200'000, .home_to = 260'000, .negative_limit = -900'000, .positive_limit = 900'000});
     REQUIRE(r.drive.run(homing_by{homing_mode::forward_home_switch, 300 * r_per_min, 60 * r_per_min,
                                   100 * millisecond, 30'000}));
+}
+
+} // namespace
+
+TEST_CASE("a homing whose start got no response is stopped") {
+    rig r;
+    be_before_home_switch(r);
     REQUIRE(r.drive.run(enable_in{control_mode::position}));
     REQUIRE(r.drive.begin(home{30 * second}) == errc::ok);
     bool was_struck = false;
@@ -261,11 +269,7 @@ TEST_CASE("a homing whose start got no response is stopped") {
 TEST_CASE("homing on a switch waits for the end and confirms it; a homing that does not end is switched "
           "off") {
     rig r;
-    REQUIRE(r.make_ready());
-    r.model.attach(
-        {.home_from = 200'000, .home_to = 260'000, .negative_limit = -900'000, .positive_limit = 900'000});
-    REQUIRE(r.drive.run(homing_by{homing_mode::forward_home_switch, 300 * r_per_min, 60 * r_per_min,
-                                  100 * millisecond, 30'000}));
+    be_before_home_switch(r);
     CHECK(r.drive.run(home{10 * second}).error() == errc::wrong_state);
     REQUIRE(r.drive.run(enable_in{control_mode::position}));
     SUBCASE("found") {

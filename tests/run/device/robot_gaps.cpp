@@ -297,7 +297,7 @@ TEST_CASE("G43: a way that its speeds contradict, as of a response that is late 
         note(5082 + left, 5082 + right, 60'000);
         return m.pose().is_continuous;
     };
-    // Of either wheel alone, and of both.
+    // The result is the same if one wheel alone contradicts its speeds.
     const auto is_continuous_after = [&](std::int32_t way) {
         const bool both = pose_after(way, way);
         CHECK(pose_after(way, 82) == both);
