@@ -41,7 +41,8 @@ def beside_the_responses(tool: Tool):
             device.follows, device.stray = 0.0, b""
             registers = {"read": "first second", "watch": "first", "doctor": ""}[words]
             on = f"{words} {port} meter.csv {registers} --timeout 500"
-            on += " --count 3 --interval 200" if words == "watch" else ""  # what follows a response comes between rounds
+            # What follows a response comes between two rounds.
+            on += " --count 3 --interval 200" if words == "watch" else ""
             tool.run(on)
             heard = tool.last.out + tool.last.err
             tool.check(f"{words}: nothing is said where nothing came", said in heard and "came beside" not in heard
