@@ -18,7 +18,7 @@ inline constexpr option line_options[] = {
     {"format", "8N1", "8N1, 8N2, 8E1 or 8O1", character_formats},
     {"timeout", "MS", "how long a response may take to begin"},
     {"retries", "N", "how often a read is repeated; a write never is"},
-    {"gap", "MS", "the pause before each request, if the drive needs one longer than 3.5 characters"},
+    {"gap", "MS", "the pause before each request: 8 for a drive whose reads fail right after writes"},
     {"quarantine", "MS",
      "the pause after a request without exactly one valid response, in which a late response is dropped; if "
      "not given, the drive's own, but at least --timeout"},
@@ -69,7 +69,10 @@ inline constexpr option sim_options[] = {
 };
 
 inline constexpr option write_options[] = {
-    {"yes", "", "does not ask; without it standard input must say write"}};
+    {"blocks-only", "",
+     "for a device that takes a single register by function 10h, and a single coil by 0Fh"},
+    {"yes", "", "does not ask; without it standard input must say write"},
+};
 
 inline constexpr option watch_options[] = {
     {"interval", "MS", "between two rounds (default 500)"},
@@ -85,7 +88,7 @@ inline constexpr option scan_options[] = {
      "product, "
      "revision and more"},
     {"timeout", "MS", "how long a response may take to begin (default 50)"},
-    {"gap", "MS", "the pause before each request, if a device needs one longer than 3.5 characters"},
+    {"gap", "MS", "the pause before each request: 8 for a device whose reads fail right after writes"},
     {"quarantine", "MS",
      "the pause after a request without exactly one valid response, in which a late response is dropped; by "
      "default none: the next request goes to another address"},

@@ -65,6 +65,8 @@ std::string why_text(const target& of, servobus::status why, const any_port& por
             " (exception " + std::to_string(why.exception()) + ", " + gateway_words(why.exception()) + ")";
     if (why.error() == servobus::errc::port_lost && port.os_error() != 0)
         words += std::string{": "} + os::error_text(port.os_error());
+    if (why.error() == servobus::errc::port_lost && port.is_network() && !port.has_answered())
+        words += "; the gateway takes no further connection, or restarts";
     return words;
 }
 
@@ -100,6 +102,17 @@ std::string why_text(const target& of, const chosen& what, const servobus::statu
     const bool is_refused = w.outcome() == servobus::outcome::refused;
     std::string words = is_refused ? "" : std::string{text(w.outcome())} + ", ";
     words += why_text(of, w, on);
+    const bool is_known_drive = of.kind != nullptr && of.kind->file == nullptr;
+    if (!w.was_sent() && w.error() == servobus::errc::timeout && !is_known_drive)
+        words += " to the read that goes before: it rules out that the write's response is the request's own "
+                 "echo. "
+                 "--echo off says that this adapter returns nothing";
+    if (w.error() == servobus::errc::own_echo && !is_known_drive && words.find("--echo on") == words.npos)
+        words += ": --echo off says that this adapter returns nothing";
+    constexpr std::uint8_t illegal_function = 1;
+    if (is_refused && w.exception() == illegal_function && !is_known_drive && what.words == 1)
+        words += "; for a device that takes function " + std::string{what.form.is_bit() ? "0Fh" : "10h"} +
+                 " alone: --blocks-only";
     if (is_refused && what.row != nullptr && has(what.row->flags, servobus::flag::when_stopped))
         words += ", may be written only while the motor stands";
     return words + advice_on_number(what, w);
@@ -146,6 +159,9 @@ int session::check(const arguments& asked, const target& of) {
     const std::optional<bool> echoes = asked.on_or_off("echo");
     if (!echoes) return usage;
     settings_.keeps_echo = *echoes;
+    const bool is_known_drive = of.kind != nullptr && of.kind->file == nullptr; // which answers reads
+    has_no_echo_ = asked.has("echo") && !*echoes && !is_known_drive;
+    writes_blocks_ = asked.has("blocks-only");
     if (const char* const how = asked.text("rs485")) {
         if (const std::string why = os::set_rs485(settings_, how); !why.empty()) return complain(usage, why);
     }

@@ -10,6 +10,7 @@
 
 #include <servobus/client/client.hpp>
 
+#include "hear.hpp"
 #include "os/port.hpp"
 #include "text/line_settings.hpp"
 #include "text/raw.hpp"
@@ -158,6 +159,13 @@ class session {
     /// Reads one row once, without a retry.
     servobus::status probe(const servobus::entry& row, servobus::table from);
     servobus::modbus::rtu_timing timing() const { return line_->timing(); }
+    bool removes_echo() const { return settings_.keeps_echo; }
+    /// The frame that reads a row.
+    std::vector<std::uint8_t> read_request(const servobus::entry& row, servobus::table from) const;
+    /// Sends a frame as it is, and listens: see hear.hpp.
+    overheard hear(servobus::bytes request, servobus::duration longest) {
+        return tool::hear(port_, request, longest);
+    }
     /// Listens on after the last response, for as long as a second one would take to begin.
     void listen_on();
     /// Names what came beside the responses so far; empty if nothing did.
@@ -185,6 +193,8 @@ class session {
     servobus::status write_now(const chosen& what, std::span<const u16> words);
     servobus::status write_once(const chosen& what, std::span<const u16> words);
     servobus::status write_coils(u16 address, std::span<const u16> coils);
+    servobus::status write_single(servobus::modbus::function code, u16 address, u16 word);
+    std::vector<std::uint8_t> frame_of(servobus::modbus::function code, u16 first, u16 second) const;
     bool is_stop(const chosen& what, std::span<const u16> words) const;
     void forget();
     void swap_pair(const servobus::entry& row, std::span<u16> pair) const;
@@ -196,7 +206,9 @@ class session {
     any_port port_;
     std::string name_{}; ///< of the port
     serial_settings settings_;
-    bool has_timeout_ = false; ///< one was given
+    bool has_timeout_ = false;   ///< one was given
+    bool has_no_echo_ = false;   ///< the command line says so, and the device may not answer reads
+    bool writes_blocks_ = false; ///< a single register by function 10h, a single coil by 0Fh
     bool is_tcp_ = false;
     bool has_quarantine_ = false;
     servobus::duration later_quarantine_{}; ///< after the first request

@@ -122,9 +122,12 @@ bool session::has_port() {
 
 servobus::status session::write_once(const chosen& what, std::span<const u16> words) {
     if (what.form.is_bit()) return write_coils(what.address, words);
+    if (words.size() == 1 && has_no_echo_ && !writes_blocks_)
+        return write_single(servobus::modbus::function::write_single_register, what.address, words[0]);
     client_->node().read_retries = retries_; // the reads that rule out an echo
-    const servobus::status w = words.size() == 1 ? client_->write_word(what.address, words[0])
-                                                 : client_->write_words(what.address, words);
+    const servobus::status w = words.size() == 1 && !writes_blocks_
+                                   ? client_->write_word(what.address, words[0])
+                                   : client_->write_words(what.address, words);
     client_->node().read_retries = 0;
     note_request(w);
     return w;
@@ -134,7 +137,10 @@ servobus::status session::write_coils(u16 address, std::span<const u16> coils) {
     namespace modbus = servobus::modbus;
     std::array<std::uint8_t, modbus::max_pdu> request{};
     std::size_t size = 0;
-    if (coils.size() == 1) {
+    if (coils.size() == 1 && has_no_echo_ && !writes_blocks_)
+        return write_single(servobus::modbus::function::write_single_coil, address,
+                            coils[0] != 0 ? 0xFF00 : 0);
+    if (coils.size() == 1 && !writes_blocks_) {
         size = modbus::put_write_coil_request(request, address, coils[0] != 0);
         // The response repeats the request, so an echo is ruled out first.
         u16 before = 0;
@@ -251,6 +257,39 @@ servobus::status session::write_now(const chosen& what, std::span<const u16> wor
         covers(facts_->eeprom_switch))
         forget();
     return w;
+}
+
+std::vector<std::uint8_t> session::read_request(const servobus::entry& row, servobus::table from) const {
+    using servobus::modbus::function;
+    const function code = from == servobus::table::coils             ? function::read_coils
+                          : from == servobus::table::discrete_inputs ? function::read_discrete_inputs
+                          : from == servobus::table::input_registers ? function::read_input_registers
+                                                                     : function::read_holding_registers;
+    const bool is_of_bits = code == function::read_coils || code == function::read_discrete_inputs;
+    return frame_of(code, row.address, is_of_bits ? u16{1} : static_cast<u16>(row.words()));
+}
+
+// A frame with two words: a read, or a single write.
+std::vector<std::uint8_t> session::frame_of(servobus::modbus::function code, u16 first, u16 second) const {
+    std::vector<std::uint8_t> frame{node_.address, static_cast<std::uint8_t>(code)};
+    for (const u16 word : {first, second}) {
+        frame.push_back(static_cast<std::uint8_t>(word >> 8));
+        frame.push_back(static_cast<std::uint8_t>(word & 0xFFu));
+    }
+    const u16 crc = servobus::modbus::crc16(frame);
+    frame.push_back(static_cast<std::uint8_t>(crc & 0xFFu));
+    frame.push_back(static_cast<std::uint8_t>(crc >> 8));
+    return frame;
+}
+
+// Without the reads that rule out an echo: the command line says that there is none.
+servobus::status session::write_single(servobus::modbus::function code, u16 address, u16 word) {
+    const std::vector<std::uint8_t> request = frame_of(code, address, word);
+    std::array<std::uint8_t, 8> response{};
+    line_type::exchange x{request, response, line_->timing(), node_.limits};
+    line_->run(x, node_.gaps);
+    note_request(x.status());
+    return x.status();
 }
 
 void session::listen_on() {

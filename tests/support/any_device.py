@@ -120,7 +120,10 @@ def on_terminal(device: Device, node: int = 1, echoes: bool = False):
                     if device.is_pulled_by_write and frame[1] > 4:
                         device.answer(frame[1:-2])
                         return
-                    response = bytes([node]) + device.answer(frame[1:-2])
+                    answer = device.answer(frame[1:-2])
+                    if not answer:  # it does not know the function
+                        continue
+                    response = bytes([node]) + answer
                     response += crc(response)
                     if device.pause:
                         os.write(ours, response[:3])

@@ -53,25 +53,57 @@ def scanned_once(tool: Tool):
         tool.out_is("scan: one that insists on its rate is found there", "57600 8N1 2 zlac8015d")
 
 
-class OneOfTwo(Device):
-    """Has its own address where a zlac8015d has it; a yako would have it in register 2, which is another number here."""
+class Mirror(Device):
+    """Holds in each register what a drive would have there for its own address, or another word."""
+
+    def __init__(self, words: dict[int, int], otherwise: int | None = None):
+        super().__init__()
+        self.words, self.otherwise = words, otherwise
 
     def response_to(self, pdu: bytes) -> bytes:
-        if pdu[0] == 3 and pdu[1:3] == b"\x20\x01":
-            return bytes([3, 2, 0, 1])
-        return super().response_to(pdu)
+        self.requests.append(pdu)
+        word = self.words.get(int.from_bytes(pdu[1:3], "big"), self.otherwise)
+        return bytes([pdu[0] | 0x80, 2]) if pdu[0] != 3 or word is None else bytes([3, 2]) + word.to_bytes(2, "big")
+
+
+# The own address, and what else a scan looks at.
+WHEELS = {0x2001: 1, 0x2011: 5, 0x2045: 15, 0x2002: 2}
 
 
 @scene()
 def late_response(tool: Tool):
     """The response to the first question about a drive comes after its time: it is not taken for that to the second."""
-    device = OneOfTwo()
+    device = Mirror(WHEELS)
     device.delays = [0, 0.12]
     with on_terminal(device) as port:
-        tool.run(f"scan {port} --nodes 1-1 --timeout 60 --baud 115200 --format 8N1")
-        tool.out_is("scan: a drive that is late once has no other's name", "115200 8N1 1 unknown device")
-        tool.run(f"scan {port} --nodes 1-1 --timeout 60 --baud 115200 --format 8N1")
-        tool.out_is("scan: and else its own", "115200 8N1 1 zlac8015d")
+        for name in ["late once", "never late"]:
+            tool.run(f"scan {port} --nodes 1-1 --timeout 60 --baud 115200 --format 8N1")
+            tool.out_is(f"scan: a drive that is {name} has its own name", "115200 8N1 1 zlac8015d")
+
+
+@scene(
+    ("all registers hold 1", Mirror({}, 1)), ("all hold 5", Mirror({}, 5)), ("all hold 0", Mirror({}, 0)),
+    ("a meter with its address at 0002h", Mirror({0x0001: 23000, 0x0002: 1})),
+    ("one with its address at 2001h", Mirror({0x2001: 1})),
+    ("pole pairs that no wheel has", Mirror({**WHEELS, 0x2045: 2})),
+    ("one with its address at 0C00h", Mirror({0x0C00: 1})),
+)
+def no_proof(tool: Tool, name: str, device: Mirror):
+    """A drive is named by registers that only it has, with values in their ranges."""
+    with on_terminal(device) as port:
+        tool.run(f"scan {port} --nodes 1 --timeout 500")
+        tool.out_is(f"scan: {name}: no drive", "- - 1 unknown device")
+
+
+@scene()
+def not_identified(tool: Tool):
+    """It responds, and not to what would name it."""
+    device = Mirror(WHEELS)
+    device.delays = [0] + [0.5] * 30
+    with on_terminal(device) as port:
+        tool.run(f"scan {port} --nodes 1 --timeout 30")
+        tool.out_is("scan: a device whose responses are lost is not unknown", "- - 1 not identified")
+        tool.err_has("and how many", "reads of node 1 had no valid response")
 
 
 def objects(*texts: tuple[int, bytes]) -> bytes:

@@ -44,7 +44,10 @@ class consultation {
 
     int run(bool is_first) {
         if (const int status = on_.open(port_.c_str()); status != done) return status;
-        if (is_first) diagnosis::judge_port(to_, port_);
+        if (is_first) {
+            diagnosis::judge_port(to_, port_);
+            ear_.listen();
+        }
         const int status =
             of_->kind->examination != nullptr ? examine_drive(*of_->kind->examination) : examine_any();
         return streams::flush() ? status : failed;
@@ -58,6 +61,7 @@ class consultation {
             for (const u16 address : e.status) rows.push_back(of_->kind->map->find(address));
             return rows;
         }();
+        row_ = {first[0]};
         if (!read(held, first)) return end();
         if (e.must_ask != nullptr && e.must_ask(held)) {
             note("warning: " + of_->word() +
@@ -69,7 +73,7 @@ class consultation {
                 status != done)
                 return status;
         }
-        judge_line(*first[0], servobus::table::holding_registers);
+        judge_line();
         held.on = facts_of_line();
         if (!read(held, diagnosis::rows_of(e.checks, *of_->kind->map), &e.checks)) return end();
         for (const diagnosis::check* c : diagnosis::find(e.checks, held))
@@ -80,15 +84,16 @@ class consultation {
     int examine_any() {
         const asked_row first = first_readable(*of_->kind);
         if (first.row == nullptr) return complain(usage, of_->kind->word() + " has no row that can be read");
+        row_ = first;
         const servobus::status why = on_.probe(*first.row, first.in);
         if (!why.has_response()) {
-            diagnosis::explain_silence(to_, port_, *of_, why, on_);
+            explain(why);
             return to_.end(false);
         }
-        judge_line(*first.row, first.in);
+        judge_line();
         const servobus::status ended = diagnosis::judge_rows(to_, on_, *of_);
         if (interrupts::came()) return failed;
-        if (ended.error() != servobus::errc::ok) diagnosis::explain_silence(to_, port_, *of_, ended, on_);
+        if (ended.error() != servobus::errc::ok) explain(ended);
         judge_strays();
         return to_.end(false);
     }
@@ -98,14 +103,18 @@ class consultation {
         judge_strays();
         return interrupts::came() ? failed : to_.end(true);
     }
+    // What the reads that were listened to have shown is said already.
     void judge_strays() {
         on_.listen_on();
-        if (const std::string strays = on_.strays(); !strays.empty()) to_.warn(strays, "");
+        const bool is_said = !ear_.account().strays.empty() || ear_.account().doubled != 0;
+        if (const std::string strays = on_.strays(); !strays.empty() && !is_said) to_.warn(strays, "");
     }
 
-    void judge_line(const servobus::entry& row, servobus::table from) {
-        const diagnosis::response_times took = diagnosis::judge_responses(to_, on_, row, from);
-        diagnosis::judge_period(to_, on_, took, devices_, period_ms_);
+    void explain(servobus::status why) { diagnosis::explain_silence(to_, port_, *of_, why, on_, ear_, row_); }
+    void judge_line() {
+        diagnosis::judge_responses(to_, port_, *of_, on_, ear_, row_);
+        diagnosis::judge_period(to_, on_, ear_.account().median(), of_->kind->examination != nullptr,
+                                devices_, period_ms_);
     }
 
     diagnosis::line_facts facts_of_line() const {
@@ -133,7 +142,7 @@ class consultation {
                 diagnosis::explain_other_drive(to_, on_, *of_, what))
                 return false;
             if (!is_refusal(u.why) || list == nullptr) {
-                diagnosis::explain_silence(to_, port_, *of_, u.why, on_);
+                explain(u.why);
                 return false;
             }
             to_.unread(what, decides(*list, u.row->address));
@@ -157,6 +166,8 @@ class consultation {
     std::string port_;
     session on_;
     diagnosis::report to_;
+    diagnosis::line_hearing ear_{on_};
+    asked_row row_{}; ///< by which the line is judged
     unsigned devices_;
     unsigned period_ms_;
 };

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSL-1.0
 //
 // servobus read and write: registers one by one, in the order of the command line.
+#include <algorithm>
 #include <cstdio>
 
 #include "../session.hpp"
@@ -131,6 +132,48 @@ std::string progress_text(std::size_t written, std::size_t all) {
     return all == 1 ? std::string{} : count_of(written, all);
 }
 
+// A register that holds what was written into it: no command, and none that changes who answers or takes effect later.
+bool holds_its_word(const chosen& what) {
+    using enum servobus::flag;
+    if (what.row == nullptr) return true;
+    if (what.row->rights != servobus::access::rw) return false;
+    for (const servobus::flag other : {trigger, communication, after_power_cycle, at_stop}) {
+        if (has(what.row->flags, other)) return false;
+    }
+    return true;
+}
+
+// Reads back what was acknowledged: a device may acknowledge a write and ignore it. A register of which nothing says
+// whether it is a command is no failure.
+int check_held(session& on, const target& of, std::span<const job> jobs) {
+    std::string ignored;
+    for (std::size_t i = 0; i < jobs.size(); ++i) {
+        const job& j = jobs[i];
+        const auto is_same = [&j](const job& later) {
+            return later.what.address == j.what.address && later.what.form.table == j.what.form.table;
+        };
+        if (!holds_its_word(j.what) ||
+            std::any_of(jobs.begin() + static_cast<std::ptrdiff_t>(i) + 1, jobs.end(), is_same))
+            continue;
+        std::vector<u16> held(j.words.size());
+        const servobus::status why = on.read(j.what, held);
+        if (why.error() == servobus::errc::timeout && j.what.row != nullptr) {
+            note("warning: " + j.what.name +
+                 " is written, and the read right after it had no response: on a line that "
+                 "answers other reads the device needs a pause after a write, --gap 8");
+        }
+        if (why.error() != servobus::errc::ok || held == j.words) continue;
+        const std::string words =
+            j.what.name + ": acknowledged, and the device holds " + value_text(j.what, held);
+        if (j.what.row == nullptr || !of.kind->has_flags) {
+            note("warning: " + words + ": it ignored the write, or the register is a command that it clears");
+        } else {
+            ignored += (ignored.empty() ? "" : "; ") + words + ": it ignored the write";
+        }
+    }
+    return ignored.empty() ? done : complain(failed, ignored);
+}
+
 } // namespace
 
 int read(const arguments& asked) {
@@ -192,7 +235,7 @@ int write(const arguments& asked) {
         if (const std::string why = streams::why_lost(); !why.empty())
             return complain(failed, why + count_of(i + 1, jobs.size()));
     }
-    return done;
+    return check_held(on, *of, jobs);
 }
 
 } // namespace tool

@@ -16,7 +16,7 @@ bool explain_other_drive(report& to, session& on, const target& of, const std::s
         const auto is = why.has_response() ? servobus::presence::present : servobus::presence::no_response;
         return servobus::finding{is, is_ok(why), word[0], why};
     };
-    const char* const name = name_of_drive(of.node, look);
+    const char* const name = name_of_drive(of.node, look).name;
     const device* const other = name != nullptr ? find_device_quietly(name) : nullptr;
     if (other == nullptr || other == of.kind) return false;
     to.refuse(what + ": perhaps it is a " + name + ", not a " + of.kind->word(),

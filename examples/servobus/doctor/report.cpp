@@ -95,7 +95,11 @@ void report::finding(const check& c, const held_registers& held, const servobus:
 
 int report::end(bool can_be_enabled) {
     std::string text = device_ + ": ";
-    if (refusals_ != 0) text += findings_that(refusals_, "refuses an enable", "refuse an enable");
+    if (refusals_ != 0) {
+        text += can_be_enabled
+                    ? findings_that(refusals_, "refuses an enable", "refuse an enable")
+                    : findings_that(refusals_, "keeps it from being used", "keep it from being used");
+    }
     if (unknown_ != 0) {
         text += std::string{refusals_ != 0 ? "; " : ""} + counted(unknown_, "register") +
                 (unknown_ == 1 ? " that decides" : " that decide") + " could not be read";

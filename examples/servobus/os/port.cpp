@@ -246,10 +246,15 @@ std::string any_port::diagnosis(servobus::status why) const {
     } else if (std::string words = echo_diagnosis(why); !words.empty()) {
         return words;
     }
-    if (why != errc::timeout || came().empty() || request_.empty()) return {};
+    if (why != errc::timeout || request_.empty()) return {};
+    const std::size_t echo = removes_echo_ ? request_.size() : 0; // as far as it came
+    const std::size_t count = came().size() - std::min(echo, came().size());
+    if (count == 0 && is_network() && !has_answered_)
+        return "no response: the connection is open, and not a byte came; the gateway may serve one client "
+               "at a time";
+    if (count == 0) return {};
     const bool is_to_peer = request_[0] == servobus::modbus::peer_address;
-    return std::to_string(came().size()) + (came().size() == 1 ? " byte" : " bytes") +
-           " came, none a response of " +
+    return std::to_string(count) + (count == 1 ? " byte" : " bytes") + " came, none a response of " +
            (is_to_peer ? "unit " + std::to_string(peer_unit_) : "node " + std::to_string(request_[0]));
 }
 

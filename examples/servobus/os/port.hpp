@@ -54,6 +54,8 @@ class any_port {
     /// How often a connection was made.
     unsigned connections() const { return connections_; }
     bool is_network() const { return !host_.empty(); }
+    /// True once there was a response.
+    bool has_answered() const { return has_answered_; }
     /// True if the port was lost because its peer speaks no Modbus TCP. One wrong header of a peer that has responded
     /// before is damage.
     bool is_foreign() const;

@@ -12,6 +12,7 @@
 
 #include <servobus/line/observer.hpp>
 
+#include "line_words.hpp"
 #include "log_line.hpp"
 
 namespace tool {
@@ -40,10 +41,7 @@ struct stray_bytes : servobus::counters {
         if (of_node != 0 && timeouts != 0)
             return "responses of " + address + " came after " + std::to_string(timeout_ms) +
                    " ms: give --timeout more, or two devices have this address";
-        if (of_node != 0)
-            return "a request to " + address +
-                   " had two responses: two devices have this address, or something on the "
-                   "line sends them twice; a value may be of another register";
+        if (of_node != 0) return words_on_two_responses(address, false);
         return std::to_string(all.size()) + (all.size() == 1 ? " byte" : " bytes") +
                " came beside the responses: another program or master sends on this line, or it picks up "
                "noise";
