@@ -159,6 +159,12 @@ class session {
     /// Reads one row once, without a retry.
     servobus::status probe(const servobus::entry& row, servobus::table from);
     servobus::modbus::rtu_timing timing() const { return line_->timing(); }
+    /// From now on a response may take as long, and a read is repeated more often.
+    void be_patient(servobus::duration limit) {
+        node_.limits.response = limit;
+        client_->node().limits.response = limit;
+        retries_ = 10;
+    }
     bool removes_echo() const { return settings_.keeps_echo; }
     /// The frame that reads a row.
     std::vector<std::uint8_t> read_request(const servobus::entry& row, servobus::table from) const;

@@ -73,7 +73,9 @@ class consultation {
                 status != done)
                 return status;
         }
-        judge_line();
+        if (!is_patient_) judge_line();
+        if (!ear_.account().is_reliable()) return end();
+        if (ear_.account().answered < ear_.account().asked) (void)be_patient();
         held.on = facts_of_line();
         if (!read(held, diagnosis::rows_of(e.checks, *of_->kind->map), &e.checks)) return end();
         for (const diagnosis::check* c : diagnosis::find(e.checks, held))
@@ -106,7 +108,8 @@ class consultation {
     // What the reads that were listened to have shown is said already.
     void judge_strays() {
         on_.listen_on();
-        const bool is_said = !ear_.account().strays.empty() || ear_.account().doubled != 0;
+        const line_account& heard = ear_.account();
+        const bool is_said = !heard.strays.empty() || heard.doubled != 0 || heard.late != 0;
         if (const std::string strays = on_.strays(); !strays.empty() && !is_said) to_.warn(strays, "");
     }
 
@@ -115,6 +118,17 @@ class consultation {
         diagnosis::judge_responses(to_, port_, *of_, on_, ear_, row_);
         diagnosis::judge_period(to_, on_, ear_.account().median(), of_->kind->examination != nullptr,
                                 devices_, period_ms_);
+    }
+
+    // What was heard shows how the device can be read all the same. False if it shows no way, or a second time.
+    bool be_patient() {
+        const line_account& heard = ear_.account();
+        const bool has_way =
+            heard.answered != 0 && heard.is_reliable() && (heard.echoed == 0 || on_.removes_echo());
+        if (!has_way || std::exchange(is_patient_, true)) return false;
+        on_.be_patient(
+            servobus::longer_of(on_.response_limit(), servobus::milliseconds(timeout_for(heard.most()))));
+        return true;
     }
 
     diagnosis::line_facts facts_of_line() const {
@@ -142,8 +156,9 @@ class consultation {
                 diagnosis::explain_other_drive(to_, on_, *of_, what))
                 return false;
             if (!is_refusal(u.why) || list == nullptr) {
+                if (is_patient_ && to_.has_refusal()) return false; // it is explained
                 explain(u.why);
-                return false;
+                return be_patient() && read(held, rows, list);
             }
             to_.unread(what, decides(*list, u.row->address));
         }
@@ -167,7 +182,8 @@ class consultation {
     session on_;
     diagnosis::report to_;
     diagnosis::line_hearing ear_{on_};
-    asked_row row_{}; ///< by which the line is judged
+    bool is_patient_ = false; ///< the line was explained
+    asked_row row_{};         ///< by which the line is judged
     unsigned devices_;
     unsigned period_ms_;
 };

@@ -109,7 +109,7 @@ std::size_t frames_of(std::uint8_t node, const overheard& of) {
 
 int scan_pass::run() {
     listen(servobus::milliseconds(100));
-    if (unasked_ != 0) say(words_on_unasked(unasked_, listened_));
+    if (!heard_.unasked.empty()) say(words_on_unasked(heard_));
     for (unsigned address = p_->first; address <= p_->last; ++address) {
         if (interrupts::came())
             return complain(failed, setting_ + ": interrupted at node " + std::to_string(address));
@@ -148,15 +148,15 @@ int scan_pass::look_at(std::uint8_t node) {
 int scan_pass::fail(std::uint8_t node, servobus::status why) {
     shown_.end();
     listen(servobus::milliseconds(500));
-    return complain(failed,
-                    setting_ + " node " + std::to_string(node) + ": " + why_text(target{}, why, *port_) +
-                        (unasked_ != 0 ? ": " + words_on_unasked(unasked_, listened_) : std::string{}));
+    return complain(failed, setting_ + " node " + std::to_string(node) + ": " +
+                                why_text(target{}, why, *port_) +
+                                (!heard_.unasked.empty() ? ": " + words_on_unasked(heard_) : std::string{}));
 }
 
 // A device that has responded.
 int scan_pass::present(std::uint8_t node, const servobus::response_limits& limits) {
     const std::size_t doubled = frames_of(node, hear(*port_, {}, until_second_response));
-    heard_[node] = true;
+    has_responded_[node] = true;
     if (doubled != 0) {
         say(words_on_two_responses("node " + std::to_string(node), false));
         return print(node, "not identified");
@@ -180,7 +180,7 @@ int scan_pass::look_again() {
     for (const overheard_byte& b : after.came) all.push_back(b.byte);
     for (const found_frame& f : log_line::find_frames(all).frames) {
         const std::uint8_t node = f.frame[0];
-        if (node < p_->first || node > p_->last || heard_[node]) continue;
+        if (node < p_->first || node > p_->last || has_responded_[node]) continue;
         if (const int status = look_longer(node, servobus::milliseconds(1500)); status != done) return status;
     }
     return done;
@@ -211,11 +211,7 @@ int scan_pass::look_longer(std::uint8_t node, servobus::duration longest) {
     return present(node, limits);
 }
 
-void scan_pass::listen(servobus::duration time) {
-    const overheard now = hear(*port_, {}, time);
-    listened_ = listened_ + now.listened;
-    for (const overheard_byte& b : now.came) unasked_ += b.byte != 0 && b.byte != 0xFF;
-}
+void scan_pass::listen(servobus::duration time) { heard_.add(hear(*port_, {}, time), p_->limits.response); }
 
 int scan_pass::print(std::uint8_t node, const std::string& who) {
     shown_.end();

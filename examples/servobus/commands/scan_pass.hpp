@@ -74,9 +74,8 @@ class scan_pass {
     scanned* all_;
     scanned_line on_;
     progress shown_;
-    std::array<bool, 256> heard_{}; ///< addresses that responded
-    std::size_t unasked_ = 0;       ///< bytes while nothing was asked
-    servobus::duration listened_{};
+    std::array<bool, 256> has_responded_{};
+    line_account heard_{}; ///< while nothing was asked
     bool is_over_ = false; ///< the adapter is set otherwise
 };
 

@@ -16,13 +16,13 @@ namespace {
 using servobus::errc;
 using servobus::milliseconds;
 
+// So many reads find what happens to one of ten with a probability of 0.96.
+constexpr unsigned reads = 30;
+
 std::string setting_of(const session& on) {
     if (on.port().is_network()) return "through the gateway";
     return "at " + std::to_string(on.baud()) + " " + text(on.format());
 }
-
-// So many reads find what happens to one of ten with a probability of 0.96.
-constexpr unsigned reads = 30;
 
 // The command without one of its options.
 std::string drop_option(std::string command, const std::string& name) {
@@ -96,22 +96,19 @@ void explain_silence(report& to, const std::string& port, const target& of, serv
     }
     (void)on.hear(
         {}, std::max(on.response_limit(), milliseconds(300))); // a late response belongs to no later read
-    ear.ask(10, *asked.row, asked.in);
+    ear.ask(reads, *asked.row, asked.in);
     const std::vector<remark> remarks = remarks_on(ear.account(), terms_of(to, port, of, on));
     if (remarks.empty()) {
         return to.refuse(what + ", node " + std::to_string(of.node) + ' ' + setting_of(on) +
                              "; then all of " + counted(ear.account().asked, "read") + " had a response",
                          "the line or the device fails now and then: ask again, " + to.command("doctor"));
     }
-    // A line that gives responses is not the reason why there was none, but what it shows is.
     to.refuse(remarks[0].what, remarks[0].act);
     for (std::size_t i = 1; i < remarks.size(); ++i) to.warn(remarks[i].what, remarks[i].act);
 }
 
 void judge_responses(report& to, const std::string& port, const target& of, session& on, line_hearing& ear,
                      const asked_row& asked) {
-    // So many reads find what happens to one of ten with a probability of 0.96.
-    constexpr unsigned reads = 30;
     ear.ask(reads, *asked.row, asked.in);
     const line_account& heard = ear.account();
     const std::string allowed = std::to_string(on.response_limit().us / 1000) + " ms that are allowed";
@@ -122,19 +119,7 @@ void judge_responses(report& to, const std::string& port, const target& of, sess
                 allowed);
     }
     const std::vector<remark> remarks = remarks_on(heard, terms_of(to, port, of, on));
-    for (const remark& r : remarks) to.warn(r.what, r.act);
-    if (heard.late != 0) return;
-    if (heard.most().us > on.response_limit().us / 2) {
-        to.warn("responses begin after up to " + ms_text(heard.most()) + " ms of the " + allowed +
-                    ": some will be late",
-                "a longer --timeout, " + std::to_string(timeout_for(heard.most())) +
-                    ", and in a program longer limits.response of the node");
-    } else if (heard.most().us > 10 * heard.median().us + 20'000) {
-        to.warn("a response began after " + ms_text(heard.most()) + " ms, half of them within " +
-                    ms_text(heard.median()) + " ms: what delayed it may delay another one beyond the " +
-                    allowed,
-                "look for it in the adapter, the gateway or this computer; or a longer --timeout");
-    }
+    for (const remark& r : remarks) heard.is_reliable() ? to.warn(r.what, r.act) : to.refuse(r.what, r.act);
 }
 
 void judge_period(report& to, const session& on, servobus::duration response, bool is_drive, unsigned devices,

@@ -24,6 +24,7 @@ class report {
     void line(const std::string& what) { say("line", what); }
     void refuse(const std::string& what, const std::string& act);
     void warn(const std::string& what, const std::string& act);
+    bool has_refusal() const { return refusals_ != 0; }
     /// A register that could not be read. `is_needed`: to judge whether an enable is refused.
     void unread(const std::string& what, bool is_needed);
     void differ(const std::string& what);

@@ -12,26 +12,12 @@ namespace {
 
 const char* const check_wires = "check wires, termination, common ground and supply";
 
-remark on_unasked(const line_account& heard) {
-    const found_frames found = log_line::find_frames(heard.strays);
-    if (!found.frames.empty() && heard.asked == 0) {
-        return {counted(found.frames.size(), "frame") + " came in " +
-                    std::to_string(heard.listened.us / 1000) +
-                    " ms while nothing was asked here, the first of node " +
-                    std::to_string(found.frames[0].frame[0]) + ": another master or program is on this line",
-                "a line has one master: end the other"};
-    }
-    return {words_on_unasked(heard.unasked, heard.listened),
-            "end the other one, or take it off the line; then termination, common ground and bias resistors"};
-}
-
 remark on_silence(const line_account& heard, const line_terms& terms) {
     const std::string who = ", " + terms.who + ' ' + terms.setting;
     if (terms.is_network) {
         return {"no response" + who + ": the gateway is connected, and not a single byte came",
                 "it may serve one client at a time: end the others; the node, and the rate and format that "
-                "the gateway "
-                "has; a longer --timeout, 2000: " +
+                "the gateway has; a longer --timeout, 2000: " +
                     terms.scan};
     }
     const bool has_echo = heard.echoed != 0;
@@ -83,10 +69,16 @@ std::string ms_text(servobus::duration d) {
 
 unsigned timeout_for(servobus::duration most) { return (most.us / 1000 * 2 / 100 + 1) * 100; }
 
-std::string words_on_unasked(std::size_t count, servobus::duration listened) {
-    return counted(count, "byte") + " came in " + std::to_string(listened.us / 1000) +
-           " ms while nothing was asked here: another program or device sends on this line, or it picks up "
-           "noise";
+std::string words_on_unasked(const line_account& heard) {
+    const found_frames found = log_line::find_frames(heard.unasked);
+    const std::string when =
+        " came in " + std::to_string(heard.listened.us / 1000) + " ms while nothing was asked here";
+    if (!found.frames.empty()) {
+        return counted(found.frames.size(), "frame") + when + ", the first of node " +
+               std::to_string(found.frames[0].frame[0]) + ": another master or program is on this line";
+    }
+    return counted(heard.unasked.size(), "byte") + when +
+           ": another program or device sends on this line, or it picks up noise";
 }
 
 std::string words_on_two_responses(const std::string& who, bool differ) {
@@ -101,7 +93,9 @@ std::vector<remark> remarks_on(const line_account& heard, const line_terms& term
     const auto say = [&all](remark r) { all.push_back(std::move(r)); };
     const bool is_answered = heard.answered != 0;
     const std::string reads = " of " + counted(heard.asked, "read");
-    if (heard.unasked != 0) say(on_unasked(heard));
+    if (!heard.unasked.empty())
+        say({words_on_unasked(heard),
+             "a line has one master: end the other; then termination, common ground and bias resistors"});
     if (!terms.removes_echo && heard.echoed != 0) {
         say({is_answered ? "the request's own echo comes before each response"
                          : "what came is the request's own echo, and no response after it",
@@ -113,11 +107,11 @@ std::vector<remark> remarks_on(const line_account& heard, const line_terms& term
     if (terms.removes_echo && heard.echoed == 0 && heard.asked != 0 && heard.silent != heard.asked)
         say({"the request did not come back as echo", terms.without_echo});
     if (heard.asked != 0 && heard.silent == heard.asked) say(on_silence(heard, terms));
-    if (!is_answered && heard.damaged != 0 && heard.unasked == 0) say(on_damage(heard, terms));
+    if (!is_answered && heard.damaged != 0 && heard.unasked.empty()) say(on_damage(heard, terms));
     if (heard.doubled != 0)
         say({words_on_two_responses(terms.who, heard.differing != 0),
              "take one device off the line, and look who responds: " + terms.scan});
-    else if (is_answered && heard.beside != 0 && heard.unasked == 0)
+    else if (is_answered && heard.beside != 0 && heard.unasked.empty())
         say({counted(heard.beside, "byte") +
                  " came beside the responses: another program or master sends on this line, or "
                  "it picks up noise",
@@ -129,12 +123,21 @@ std::vector<remark> remarks_on(const line_account& heard, const line_terms& term
         if (heard.late == 0) what += "; the others begin within " + ms_text(heard.most()) + " ms";
         say({what, std::string{check_wires} + (heard.late == 0 ? "; a longer --timeout is no help" : "")});
     }
+    const std::string allowed = std::to_string(terms.limit.us / 1000) + " ms that are allowed";
+    const std::string longer = terms.with_timeout + std::to_string(timeout_for(heard.most())) +
+                               ", and with every command; in a program a longer limits.response of the node";
     if (heard.late != 0) {
         say({std::to_string(heard.late) + " of " + counted(heard.answered, "response") + " began after the " +
-                 std::to_string(terms.limit.us / 1000) + " ms that are allowed, the last after " +
-                 ms_text(heard.most()) + " ms",
-             terms.with_timeout + std::to_string(timeout_for(heard.most())) +
-                 ", and with every command; in a program a longer limits.response of the node"});
+                 allowed + ", the last after " + ms_text(heard.most()) + " ms",
+             longer});
+    } else if (heard.most().us > terms.limit.us / 2) {
+        say({"responses begin after up to " + ms_text(heard.most()) + " ms of the " + allowed +
+                 ": some will be late",
+             longer});
+    } else if (heard.most().us > 10 * heard.median().us + 20'000) {
+        say({"a response began after " + ms_text(heard.most()) + " ms, half of them within " +
+                 ms_text(heard.median()) + " ms: what delayed it may delay another one beyond the " + allowed,
+             "look for it in the adapter, the gateway or this computer; or a longer --timeout"});
     }
     return all;
 }

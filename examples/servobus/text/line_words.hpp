@@ -33,14 +33,14 @@ struct remark {
 /// `14.5`
 std::string ms_text(servobus::duration d);
 
-/// What is wrong, the cause of the others first; nothing where each read had one response in time.
+/// What is wrong, the cause of the others first; nothing where each read had one response, and early.
 std::vector<remark> remarks_on(const line_account& heard, const line_terms& terms);
 
 /// A --timeout for responses that begin after `most`.
 unsigned timeout_for(servobus::duration most);
 
 /// Bytes that came while nothing was asked.
-std::string words_on_unasked(std::size_t count, servobus::duration listened);
+std::string words_on_unasked(const line_account& heard);
 
 /// Two responses to one request. `differ`: in their bytes.
 std::string words_on_two_responses(const std::string& who, bool differ);

@@ -109,7 +109,7 @@ struct line_account {
     unsigned silent = 0;                    ///< not a byte but for an echo
     unsigned beside = 0;                    ///< bytes beside a response
     std::vector<servobus::duration> took{}; ///< until a response began, in order of length
-    std::size_t unasked = 0;                ///< bytes while nothing was asked
+    frame_bytes unasked{};                  ///< what came while nothing was asked
     servobus::duration listened{};          ///< so long
     frame_bytes strays{};                   ///< all that is no response to what was asked
 
@@ -117,10 +117,10 @@ struct line_account {
         const parsed_read r = parse_overheard(of);
         const auto count = static_cast<std::size_t>(std::count_if(
             r.others.begin(), r.others.end(), [](std::uint8_t b) { return b != 0 && b != 0xFF; }));
+        frame_bytes& kept = of.request.empty() ? unasked : strays;
         constexpr std::size_t most = 4096; // of a line that never rests
-        if (count != 0 && strays.size() < most) strays.insert(strays.end(), r.others.begin(), r.others.end());
+        if (count != 0 && kept.size() < most) kept.insert(kept.end(), r.others.begin(), r.others.end());
         if (of.request.empty()) {
-            unasked += count == 0 ? 0 : r.others.size();
             listened = listened + of.listened;
             return;
         }
@@ -139,6 +139,8 @@ struct line_account {
             took.insert(std::upper_bound(took.begin(), took.end(), r.responses[0]), r.responses[0]);
         }
     }
+    /// A response is that to its own request, as far as it was seen.
+    bool is_reliable() const { return doubled == 0; }
     servobus::duration least() const { return took.empty() ? servobus::duration{} : took.front(); }
     servobus::duration median() const { return took.empty() ? servobus::duration{} : took[took.size() / 2]; }
     servobus::duration most() const { return took.empty() ? servobus::duration{} : took.back(); }
