@@ -67,6 +67,8 @@ std::string why_text(const target& of, servobus::status why, const any_port& por
         words += std::string{": "} + os::error_text(port.os_error());
     if (why.error() == servobus::errc::port_lost && port.is_network() && !port.has_answered())
         words += "; the gateway takes no further connection, or restarts";
+    if (why.error() == servobus::errc::line_busy)
+        words += ": another program or device sends on it, or it picks up noise";
     return words;
 }
 

@@ -172,12 +172,13 @@ class session {
     overheard hear(servobus::bytes request, servobus::duration longest) {
         return tool::hear(port_, request, longest);
     }
-    /// Listens on after the last response, for as long as a second one would take to begin.
+    /// Listens on after the last response, for as long as a second one would take to begin; longer if there was none.
     void listen_on();
-    /// Names what came beside the responses so far; empty if nothing did.
+    /// Names what came beside the responses so far, or late; empty if nothing did.
     std::string strays() const {
-        return has_worked_ ? line_->observer().text(node_.address, node_.limits.response.us / 1000)
-                           : std::string{};
+        const stray_bytes& all = line_->observer();
+        const std::uint32_t limit = node_.limits.response.us / 1000;
+        return has_worked_ ? all.text(node_.address, limit) : all.late_text(node_.address, limit);
     }
 
     /// From now on a port that was lost is opened anew, and what cannot have been sent leaves then: a call waits for it

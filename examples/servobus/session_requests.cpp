@@ -293,12 +293,13 @@ servobus::status session::write_single(servobus::modbus::function code, u16 addr
 }
 
 void session::listen_on() {
-    constexpr servobus::duration silence = servobus::milliseconds(25), longest = servobus::milliseconds(300);
+    constexpr servobus::duration longest = servobus::milliseconds(300);
+    // A device that has given no response in time may be late.
+    const servobus::duration silence = has_worked_ ? until_second_response : longest;
     std::uint8_t room[256];
     const servobus::instant begun = port_.now();
     servobus::instant last = begun;
-    while (has_worked_ && !is_lost_ && since(last, port_.now()) < silence &&
-           since(begun, port_.now()) < longest) {
+    while (!is_lost_ && since(last, port_.now()) < silence && since(begun, port_.now()) < longest) {
         const servobus::transfer got = port_.receive(room);
         if (!got) break;
         if (*got != 0) {

@@ -97,9 +97,7 @@ std::string identification_of(scanned_line& on, std::uint8_t node_address, const
     return id ? "server ID " + quoted(*id) : "no identification";
 }
 
-std::size_t frames_of(std::uint8_t node, const overheard& of) {
-    std::vector<std::uint8_t> all;
-    for (const overheard_byte& b : of.came) all.push_back(b.byte);
+std::size_t frames_of(std::uint8_t node, servobus::bytes all) {
     const auto found = log_line::find_frames(all).frames;
     return static_cast<std::size_t>(
         std::count_if(found.begin(), found.end(), [&](const found_frame& f) { return f.frame[0] == node; }));
@@ -131,7 +129,7 @@ int scan_pass::look_at(std::uint8_t node) {
     }
     if (f.what == presence::failed) return fail(node, f.why);
     if (f.what == presence::garbled && port_->diagnosis(f.why).find("--echo on") != std::string::npos) {
-        say("what came is the request's own echo: try --echo on");
+        if (p_->has_several()) say("what came is the request's own echo: try --echo on");
         ++all_->echoed;
         is_over_ = true;
         return done;
@@ -141,8 +139,23 @@ int scan_pass::look_at(std::uint8_t node) {
         const bool are_few = !p_->has_several() && p_->last - p_->first < 8;
         return are_few ? look_longer(node, p_->limits.response + servobus::milliseconds(300)) : done;
     }
-    const bool is_garbled = f.what == presence::garbled;
-    return is_garbled ? print(node, "garbled") : present(node, p_->limits);
+    return f.what == presence::garbled ? garbled(node) : present(node, p_->limits);
+}
+
+// Says of the first one what it is.
+int scan_pass::garbled(std::uint8_t node) {
+    if (!std::exchange(is_damage_said_, true)) {
+        line_account heard;
+        const auto request = servobus::modbus::read_frame(node, 0, 1);
+        constexpr unsigned reads = 3;
+        for (unsigned i = 0; i < reads; ++i)
+            heard.add(hear(*port_, request, p_->limits.response), p_->limits.response);
+        if (heard.damaged != 0) {
+            say(words_on_damage(heard, "node " + std::to_string(node)) +
+                ": another rate or format, two devices at one address, another program, or noise");
+        }
+    }
+    return print(node, "garbled");
 }
 
 int scan_pass::fail(std::uint8_t node, servobus::status why) {
@@ -150,16 +163,21 @@ int scan_pass::fail(std::uint8_t node, servobus::status why) {
     listen(servobus::milliseconds(500));
     return complain(failed, setting_ + " node " + std::to_string(node) + ": " +
                                 why_text(target{}, why, *port_) +
-                                (!heard_.unasked.empty() ? ": " + words_on_unasked(heard_) : std::string{}));
+                                (!heard_.unasked.empty() ? "; " + words_on_unasked(heard_) : std::string{}));
 }
 
 // A device that has responded.
 int scan_pass::present(std::uint8_t node, const servobus::response_limits& limits) {
-    const std::size_t doubled = frames_of(node, hear(*port_, {}, until_second_response));
+    line_account after;
+    after.add(hear(*port_, {}, until_second_response), limits.response);
     has_responded_[node] = true;
-    if (doubled != 0) {
+    if (frames_of(node, after.unasked) != 0) {
         say(words_on_two_responses("node " + std::to_string(node), false));
         return print(node, "not identified");
+    }
+    if (!after.unasked.empty() && heard_.unasked.empty()) {
+        say(counted(after.unasked.size(), "byte") + " came after the response of node " +
+            std::to_string(node) + ": another program or master sends on this line, or it picks up noise");
     }
     introduced who = introduce(on_, node, *p_, limits);
     if (p_->identifies) who.name += ": " + identification_of(on_, node, *p_, limits);
@@ -192,7 +210,7 @@ int scan_pass::look_longer(std::uint8_t node, servobus::duration longest) {
     const auto request = servobus::modbus::read_frame(node, 0, 1);
     parsed_read late;
     // A late response belongs to no later read.
-    (void)hear(*port_, {}, std::max(p_->gaps.gap, servobus::milliseconds(150)));
+    (void)hear(*port_, {}, std::max(p_->gaps.gap, p_->limits.response + servobus::milliseconds(100)));
     for (unsigned i = 0; i < tries && late.responses.empty(); ++i)
         late = parse_overheard(hear(*port_, request, longest));
     if (late.responses.empty()) return done;

@@ -63,6 +63,7 @@ class scan_pass {
     int look_longer(std::uint8_t node, servobus::duration longest);
     int look_again();
     int fail(std::uint8_t node, servobus::status why);
+    int garbled(std::uint8_t node);
     int present(std::uint8_t node, const servobus::response_limits& limits);
     void listen(servobus::duration time);
     int print(std::uint8_t node, const std::string& who);
@@ -76,6 +77,7 @@ class scan_pass {
     progress shown_;
     std::array<bool, 256> has_responded_{};
     line_account heard_{}; ///< while nothing was asked
+    bool is_damage_said_ = false;
     bool is_over_ = false; ///< the adapter is set otherwise
 };
 

@@ -43,22 +43,6 @@ std::string damage_text(const line_account& heard) {
     return all;
 }
 
-remark on_damage(const line_account& heard, const line_terms& terms) {
-    std::string what = counted(heard.strays.size(), "byte") + " came, none a response of " + terms.who + ' ' +
-                       terms.setting + " (" + damage_text(heard) + ")";
-    for (const found_frame& f : log_line::find_frames(heard.strays).frames) {
-        const std::string other = "node " + std::to_string(f.frame[0]);
-        if (other == terms.who) continue;
-        what += ", but frames of " + other;
-        break;
-    }
-    return {what,
-            terms.is_network
-                ? "check the node, and the rate and format that the gateway has: " + terms.scan
-                : "another rate or format, two devices at one address, another program, or noise: try " +
-                      terms.scan + ", then termination and common ground"};
-}
-
 } // namespace
 
 std::string ms_text(servobus::duration d) {
@@ -79,6 +63,16 @@ std::string words_on_unasked(const line_account& heard) {
     }
     return counted(heard.unasked.size(), "byte") + when +
            ": another program or device sends on this line, or it picks up noise";
+}
+
+std::string words_on_damage(const line_account& heard, const std::string& who) {
+    std::string what = counted(heard.strays.size(), "byte") + " came, none a response of " + who + " (" +
+                       damage_text(heard) + ")";
+    for (const found_frame& f : log_line::find_frames(heard.strays).frames) {
+        const std::string other = "node " + std::to_string(f.frame[0]);
+        if (other != who) return what + ", but frames of " + other;
+    }
+    return what;
 }
 
 std::string words_on_two_responses(const std::string& who, bool differ) {
@@ -107,7 +101,13 @@ std::vector<remark> remarks_on(const line_account& heard, const line_terms& term
     if (terms.removes_echo && heard.echoed == 0 && heard.asked != 0 && heard.silent != heard.asked)
         say({"the request did not come back as echo", terms.without_echo});
     if (heard.asked != 0 && heard.silent == heard.asked) say(on_silence(heard, terms));
-    if (!is_answered && heard.damaged != 0 && heard.unasked.empty()) say(on_damage(heard, terms));
+    if (!is_answered && heard.damaged != 0 && heard.unasked.empty()) {
+        say({words_on_damage(heard, terms.who) + ", " + terms.setting,
+             terms.is_network
+                 ? "check the node, and the rate and format that the gateway has: " + terms.scan
+                 : "another rate or format, two devices at one address, another program, or noise: try " +
+                       terms.scan + ", then termination and common ground"});
+    }
     if (heard.doubled != 0)
         say({words_on_two_responses(terms.who, heard.differing != 0),
              "take one device off the line, and look who responds: " + terms.scan});

@@ -42,6 +42,9 @@ unsigned timeout_for(servobus::duration most);
 /// Bytes that came while nothing was asked.
 std::string words_on_unasked(const line_account& heard);
 
+/// Bytes in place of responses.
+std::string words_on_damage(const line_account& heard, const std::string& who);
+
 /// Two responses to one request. `differ`: in their bytes.
 std::string words_on_two_responses(const std::string& who, bool differ);
 

@@ -34,17 +34,25 @@ struct stray_bytes : servobus::counters {
         const auto count = static_cast<std::size_t>(
             std::count_if(all.begin(), all.end(), [](std::uint8_t b) { return b != 0 && b != 0xFF; }));
         if (count == 0) return {};
-        std::size_t of_node = 0;
-        const found_frames found = log_line::find_frames(all);
-        for (const found_frame& f : found.frames) of_node += f.frame[0] == node;
-        const std::string address = "node " + std::to_string(node);
-        if (of_node != 0 && timeouts != 0)
-            return "responses of " + address + " came after " + std::to_string(timeout_ms) +
-                   " ms: give --timeout more, or two devices have this address";
-        if (of_node != 0) return words_on_two_responses(address, false);
+        if (std::string late = late_text(node, timeout_ms); !late.empty()) return late;
+        if (count_of(node) != 0) return words_on_two_responses("node " + std::to_string(node), false);
         return std::to_string(all.size()) + (all.size() == 1 ? " byte" : " bytes") +
                " came beside the responses: another program or master sends on this line, or it picks up "
                "noise";
+    }
+    /// Of responses that came too late alone; empty if none did.
+    std::string late_text(std::uint8_t node, std::uint32_t timeout_ms) const {
+        if (timeouts == 0 || count_of(node) == 0) return {};
+        return "responses of node " + std::to_string(node) + " came after " + std::to_string(timeout_ms) +
+               " ms: give --timeout more, or two devices have this address";
+    }
+
+  private:
+    std::size_t count_of(std::uint8_t node) const {
+        const found_frames found = log_line::find_frames(all);
+        return static_cast<std::size_t>(
+            std::count_if(found.frames.begin(), found.frames.end(),
+                          [&](const found_frame& f) { return f.frame[0] == node; }));
     }
 };
 
