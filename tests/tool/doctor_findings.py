@@ -118,6 +118,22 @@ def listed_in_full(tool: Doctor):
         tool.out_has("one less once it is written", f"{int(named[1]) - 1} registers differ")
 
 
+@scene(("locked",), ("released",))
+def asked_in_torque_mode(tool: Doctor, shaft: str):
+    """Doctor asks while a ZLAC8015D is enabled in torque mode, however its shafts read then, and at no other time."""
+    tool.write("switches.txt", f"servobus-findings format=1 device=zlac8015d\nin_torque_mode={shaft}\n")
+    for before in ("", " control_word=stop"):
+        with tool.simulated("zlac8015d --switches switches.txt"):
+            tool.run(f"write drive zlac8015d mode_of_operation=torque{before} --yes")
+            tool.run("doctor drive zlac8015d")
+            tool.err_lacks(f"{shaft}: released{before}: nothing is enabled", "watchdog")
+            tool.status_is(f"{shaft}: released{before}: status 0", 0)
+            tool.run("write drive zlac8015d control_word=enable --yes")
+            tool.run("doctor drive zlac8015d")
+            tool.err_has(f"{shaft}: enabled{before}: it asks", "not confirmed, nothing more was read")
+            tool.status_is(f"{shaft}: enabled{before}: status 1", 1)
+
+
 # Findings of a drive from its carton: the register in front, and why it would surprise its owner. The simulated steppers
 # have no current, since the manual states none from the factory.
 FACTORY = {

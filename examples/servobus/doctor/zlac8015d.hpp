@@ -263,16 +263,23 @@ inline constexpr check table[] = {
 // clang-format on
 
 // The requests of a doctor would keep the watchdog of a controller that is dead from stopping the wheels. In torque mode
-// the shafts may read as released [errata B30].
+// the shafts of an enabled drive may read as released [errata B30]: there the last command decides, which 200Eh keeps.
+// None since power-on, and a stop, leave nothing enabled.
+inline bool may_be_enabled_unseen(const held_registers& r) {
+    const u16 last = r.word(zlac::control_word);
+    return r.word(zlac::mode_of_operation) == static_cast<u16>(zlac::operating_mode::torque) &&
+           last != static_cast<u16>(zlac::control_code::undefined) &&
+           last != static_cast<u16>(zlac::control_code::stop);
+}
 inline bool is_watched(const held_registers& r) {
     const auto is_free = [](zlac::shaft_state s) {
         return s == zlac::shaft_state::released || s == zlac::shaft_state::alarm;
     };
-    const bool is_torque = r.word(zlac::mode_of_operation) == static_cast<u16>(zlac::operating_mode::torque);
     return status_of(r).is_running() || !is_free(status_of(r).left.shaft) ||
-           !is_free(status_of(r).right.shaft) || is_torque;
+           !is_free(status_of(r).right.shaft) || may_be_enabled_unseen(r);
 }
-inline constexpr u16 status[] = {zlac::status_word.address, zlac::mode_of_operation.address};
+inline constexpr u16 status[] = {zlac::status_word.address, zlac::mode_of_operation.address,
+                                 zlac::control_word.address};
 
 } // namespace zlac8015d_rules
 

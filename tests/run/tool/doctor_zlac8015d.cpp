@@ -235,6 +235,35 @@ TEST_CASE("the limits of the checks of a ZLAC8015D") {
         CHECK(count_with(0x2022, resolution) == (resolution == 1 ? 0 : 1));
 }
 
+TEST_CASE("doctor asks for consent exactly while a ZLAC8015D is enabled") {
+    namespace rules = tool::diagnosis::zlac8015d_rules;
+    for (const auto shaft : {zlac8015d_options::shaft::locked, zlac8015d_options::shaft::released}) {
+        zlac8015d_options chosen;
+        chosen.in_torque_mode = shaft;
+        for (const zlac::operating_mode in : {zlac::operating_mode::velocity, zlac::operating_mode::torque}) {
+            bench b{chosen};
+            const auto asks = [&] {
+                tool::diagnosis::held_registers seen;
+                for (const u16 address : rules::status) seen.put(address, b.model.peek(address));
+                return rules::is_watched(seen);
+            };
+            CAPTURE(static_cast<int>(in));
+            b.pass(1);
+            REQUIRE(b.model.put(mode, {static_cast<u16>(in)}));
+            CHECK_FALSE(asks()); // never enabled
+            REQUIRE(operate(b, in, 0, 0));
+            CHECK(asks());
+            REQUIRE(b.model.put(control, {word_of(zlac::control_code::fault_reset)})); // still enabled
+            REQUIRE(b.model.enabled());
+            CHECK(asks());
+            REQUIRE(b.model.put(control, {word_of(zlac::control_code::stop)}));
+            b.pass(1000);
+            REQUIRE_FALSE(b.model.enabled());
+            CHECK_FALSE(asks());
+        }
+    }
+}
+
 // A watchdog time of 0, and one in which a stop lasts, may refuse an enable: doctor says so, and leaves it open.
 bool is_open(const doctored::held_registers& r) { return r.word(zlac::host_timeout) < 20; }
 
