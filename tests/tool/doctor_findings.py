@@ -10,6 +10,7 @@ import sys
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
+from any_device import Device, on_terminal
 from doctor_runs import Doctor
 from programs import play_tool, scene, until
 from tapped_line import TappedLine
@@ -116,6 +117,36 @@ def listed_in_full(tool: Doctor):
         tool.run("write drive c630s di1_function=none")
         tool.run("doctor drive c630s")
         tool.out_has("one less once it is written", f"{int(named[1]) - 1} registers differ")
+
+
+@scene()
+def map_of_another_device(tool: Doctor):
+    """A device that refuses most rows of a file is another one: one line, whatever the other rows hold."""
+    with tool.simulated("zlac8015d"):
+        tool.write("other.csv", tool.run("map yako-closed-loop --profile").out)
+        rows = sum(",wo," not in row for row in tool.lines("other.csv") if row.startswith("0x"))
+        tool.run("doctor drive other.csv:1")
+        tool.status_is("the map of another drive: status 1", 1)
+        tool.is_equal("one finding", len(tool.findings()), 1)
+        tool.finds("with counts, and what it perhaps is", "refused", f" of {rows} rows of other.csv are refused (exception 2)",
+                   "perhaps it is a zlac8015d, not a other.csv", "servobus doctor drive zlac8015d:1")
+        tool.is_equal("and the sum", tool.last.lines[-1], "other.csv:1: 1 finding refuses an enable")
+        good = "0x2000,one\n0x2001,two\n"
+        for bad, status, found in [("1,three\n2,four\n", 0, ["unread   three: ", "unread   four: "]),
+                                   ("1,three\n2,four\n3,five\n", 1, ["refused  3 of 5 rows of some.csv are refused (exception 2)"])]:
+            tool.write("some.csv", "address,name\n" + good + bad)
+            tool.run("doctor drive some.csv:1")
+            tool.status_is(f"{len(found)} lines: status {status}", status)
+            tool.check(f"{len(found)} lines", len(tool.findings()) == len(found) and
+                       all(map(str.startswith, tool.findings(), found)), tool.found())
+    with on_terminal(Device()) as port:  # it is no drive that is known
+        tool.write("some.csv", "address,name\n1,one\n300,two\n301,three\n")
+        tool.run(f"doctor {port} some.csv --timeout 2000")
+        tool.status_is("another device: status 1", 1)
+        tool.finds("another device", "2 of 3 rows of some.csv are refused (exception 2): the file describes another device -> give")
+        tool.write("some.csv", "address,name\n300,one\n")
+        tool.run(f"doctor {port} some.csv --timeout 2000")
+        tool.finds("a single row", "1 of 1 row of some.csv is refused")
 
 
 @scene(("locked",), ("released",))

@@ -2,9 +2,12 @@
 // SPDX-License-Identifier: BSL-1.0
 #include "device_file.hpp"
 
+#include <set>
+
 #include "../os/interrupts.hpp"
 #include "../parameters.hpp"
 #include "../text/typed_value.hpp"
+#include "other_drive.hpp"
 #include "reading.hpp"
 
 namespace tool::diagnosis {
@@ -25,36 +28,95 @@ void judge_value(report& to, const servobus::entry& e, std::int64_t number, cons
     }
 }
 
-} // namespace
+// What the rows of a table hold.
+struct table_content {
+    servobus::table in;
+    std::vector<const servobus::entry*> rows{};
+    held_registers held{};
+    std::vector<diagnosis::unread> refused{};
+    bool is_whole = false; ///< the device has responded to each request
+};
 
-servobus::status judge_rows(report& to, session& on, const target& of) {
+std::vector<const servobus::entry*> readable_rows(const target& of, servobus::table in) {
+    std::vector<const servobus::entry*> rows;
+    for (const servobus::entry& e : of.kind->rows_of(in)) {
+        if (e.rights != servobus::access::wo) rows.push_back(&e);
+    }
+    return rows;
+}
+
+// Sets `ended` to what ended it before the last row.
+std::vector<table_content> read_tables(session& on, const target& of, servobus::status& ended) {
+    std::vector<table_content> all;
     for (const servobus::table t : all_tables) {
-        std::vector<const servobus::entry*> rows;
-        for (const servobus::entry& e : of.kind->rows_of(t)) {
-            if (e.rights != servobus::access::wo) rows.push_back(&e);
-        }
-        held_registers held;
+        table_content& now = all.emplace_back(table_content{.in = t, .rows = readable_rows(of, t)});
         const auto read = [&](std::span<const servobus::entry* const> some, std::span<u16> words) {
             if (interrupts::came()) return servobus::status{servobus::errc::bad_argument};
             return on.read(some, words, t);
         };
-        for (const diagnosis::unread& u : read_into(held, rows, of.facts().max_read, read)) {
-            if (!is_refusal(u.why)) return u.why;
+        for (const diagnosis::unread& u : read_into(now.held, now.rows, of.facts().max_read, read)) {
+            if (!is_refusal(u.why)) {
+                ended = u.why;
+                return all;
+            }
+            now.refused.push_back(u);
+        }
+        now.is_whole = true;
+    }
+    return all;
+}
+
+// ` (exception 2)`, ` (exceptions 1, 2)`
+std::string exceptions_of(std::span<const table_content> all) {
+    std::set<unsigned> numbers;
+    for (const table_content& t : all) {
+        for (const diagnosis::unread& u : t.refused) {
+            if (u.why.error() == servobus::errc::exception) numbers.insert(u.why.exception());
+        }
+    }
+    std::string text;
+    for (const unsigned n : numbers) text += (text.empty() ? "" : ", ") + std::to_string(n);
+    return text.empty() ? text : (numbers.size() == 1 ? " (exception " : " (exceptions ") + text + ')';
+}
+
+// A device that refuses most rows of a file is not the one that the file describes: its other rows mean nothing.
+bool judge_whole_file(report& to, session& on, const target& of, std::span<const table_content> all) {
+    std::size_t rows = 0, refused = 0;
+    for (const table_content& t : all) {
+        rows += t.rows.size();
+        refused += t.refused.size();
+    }
+    if (2 * refused <= rows) return false;
+    const std::string what = std::to_string(refused) + " of " + counted(rows, "row") + " of " +
+                             of.kind->word() + (refused == 1 ? " is refused" : " are refused") +
+                             exceptions_of(all);
+    if (!explain_other_drive(to, on, of, what))
+        to.refuse(what + ": the file describes another device", "give the file of the device that is there");
+    return true;
+}
+
+} // namespace
+
+servobus::status judge_rows(report& to, session& on, const target& of) {
+    servobus::status ended{};
+    const std::vector<table_content> all = read_tables(on, of, ended);
+    if (ended.error() == servobus::errc::ok && judge_whole_file(to, on, of, all)) return {};
+    for (const table_content& t : all) {
+        for (const diagnosis::unread& u : t.refused)
             to.unread(std::string{static_cast<const char*>(u.row->name)} + ": " + why_text(of, u.why, on),
                       false);
-        }
-        for (const servobus::entry* e : rows) {
-            if (!held.has(e->address)) continue;
+        for (const servobus::entry* e : t.rows) {
+            if (!t.is_whole || !t.held.has(e->address)) continue;
             std::vector<u16> words;
             for (std::size_t i = 0; i < e->words(); ++i)
-                words.push_back(held.word(static_cast<u16>(e->address + i)));
+                words.push_back(t.held.word(static_cast<u16>(e->address + i)));
             const std::string back = e->initial == servobus::no_default
                                          ? ""
-                                         : typed_assignment(choose(*e, t), words_of(*e, e->initial));
+                                         : typed_assignment(choose(*e, t.in), words_of(*e, e->initial));
             judge_value(to, *e, number_of(*e, words), to.command("write", back));
         }
     }
-    return {};
+    return ended;
 }
 
 } // namespace tool::diagnosis

@@ -9,7 +9,8 @@
 namespace tool::diagnosis {
 
 /// Reads every row that can be read. Reports those that the device does not give, values outside their range, and
-/// values that are not the default. Returns what ended it before the last row.
+/// values that are not the default. A device that refuses most rows is another one: that is the only finding then.
+/// Returns what ended it before the last row.
 servobus::status judge_rows(report& to, session& on, const target& of);
 
 } // namespace tool::diagnosis
