@@ -163,7 +163,7 @@ class Wheels(Device):
         super().__init__()
         self.words = {0x2000: 1000, 0x2001: 1, 0x2002: 2, 0x2008: 1000, 0x201E: 800, 0x2022: 1, 0x20A3: 0x0101}
         for motor in (0x2030, 0x2060):
-            self.words |= {motor: 1024, motor + 3: 150, motor + 4: 300, motor + 0x16: 800}
+            self.words |= {motor: 1024, motor + 3: 150, motor + 4: 300, motor + 0x0C: 500, motor + 0x0F: 100, motor + 0x16: 800}
         self.missing = missing
 
     def response_to(self, pdu: bytes) -> bytes:

@@ -24,7 +24,9 @@ FOUND = {
         ("speed_resolution=10", "speed_resolution", 0), ("host_timeout=20", "host_timeout", 0),
         ("host_timeout=30000", "host_timeout", 0), ("parking_mode=on", "parking_mode", 0),
         ("right_encoder_lines=4096", "left_encoder_lines", 0),
-        ("left_acceleration_time=100", "left_acceleration_time", 0),
+        ("left_acceleration_time=100", "left_acceleration_time", 0), ("right_quick_stop_time=300", "left_quick_stop_time", 0),
+        ("left_pole_pairs=10", "left_pole_pairs", 0), ("right_speed_kp=0", "right_speed_kp", 0),
+        ("left_position_kp=0", "left_position_kp", 0),
         ("left_target_speed=20", "left_target_speed", 0), ("right_target_torque=500", "right_target_torque", 0),
         ("left_brake=code_1", "left_brake", 0), ("shaft_at_power_on=locked", "shaft_at_power_on", 0),
         ("mode_of_operation=velocity control_word=enable", "status_word", 0),
@@ -54,7 +56,8 @@ FOUND = {
         ("di3_logic=high_level", "di3_function", 1), ("di2_logic=high_level", "di2_function", 1),
         ("di1_logic=high_level", "di1_function", 1), ("di4_function=servo_on", "di4_function", 1),
         ("positive_internal_torque_limit=0", "positive_internal_torque_limit", 1),
-        ("eeprom_update=on", "eeprom_update", 1),
+        ("eeprom_update=on", "eeprom_update", 1), ("position_loop_gain=0", "position_loop_gain", 1),
+        ("second_position_loop_gain=0 gain_switching_condition=1", "second_position_loop_gain", 1),
     ],
 }
 # Writes whose command leaves something, and what undoes that.

@@ -128,9 +128,18 @@ inline bool is_slow_to_respond(const held_registers& r, const check& c) {
     return r.word(c.of[0]) > r.on.response_ms / 2;
 }
 
+// P08-05 is in force where P08-08 and P08-09 switch to the second gains.
+inline bool has_second_gain_of_zero(const held_registers& r, const check& c) {
+    return is_zero(r, c) && r.word(c.of[1]) == static_cast<u16>(c630s::gain_mode::switched) &&
+           r.word(c.of[2]) != static_cast<u16>(c630s::gain_condition::first_set);
+}
+
 constexpr u16 as_word(input_function f) { return static_cast<u16>(f); }
 
 // clang-format off
+inline constexpr const char* no_position_gain =
+    "the position loop has no gain: in position mode the motor neither moves as commanded nor holds";
+inline constexpr const char* gain_of_machine = "set it for the machine; from the factory";
 inline constexpr mend run_set_up {
     .act = "a program runs set_up{} once, as examples/servo does; then switch the drive off and on"};
 inline constexpr mend switch_on       {.act = "switch the drive off and on"};
@@ -201,6 +210,11 @@ inline constexpr check table[] = {
     {matters, {c630s::negative_internal_torque_limit}, is_zero,
      "the motor has no torque in reverse",
      {.act = "set it for the machine; from the factory", .write = "negative_internal_torque_limit=300.0"}},
+    {matters, {c630s::position_loop_gain}, is_zero,
+     no_position_gain, {.act = gain_of_machine, .write = "position_loop_gain=40.0"}},
+    {matters, {c630s::second_position_loop_gain, c630s::second_gain_mode, c630s::gain_switching_condition},
+     has_second_gain_of_zero,
+     no_position_gain, {.act = gain_of_machine, .write = "second_position_loop_gain=64.0"}},
     {matters, {c630s::torque_limit_source}, is_set,
      "terminals or an analogue input limit the torque: the motor may have none without them",
      {.write = "torque_limit_source=internal"}},

@@ -130,6 +130,13 @@ inline constexpr const char* x0_refuses =
 inline constexpr const char* x1_refuses      = "an emergency stop is active, and the drive ignores an enable";
 inline constexpr const char* unlike =
     "the wheels are unlike: the robot turns where it should run straight, or one wheel stops first";
+inline constexpr const char* unlike_ramps =
+    "the wheels have unlike ramps: the robot turns as it starts and stops";
+inline constexpr const char* no_speed_gain =
+    "the speed loop has no proportional gain: the wheel does not turn as commanded, and holds nothing";
+inline constexpr const char* no_position_gain =
+    "the position loop has no proportional gain: in a position mode the wheel neither moves as commanded nor holds";
+inline constexpr const char* gain_of_motor = "set it for the motor; from the factory";
 inline constexpr mend reset_fault            {.act = "mend the cause", .write = "control_word=fault_reset"};
 inline constexpr mend switch_off             {.act = "mend the cause, and switch the drive off and on"};
 inline constexpr mend release_stop {.act = "release the stop; or, if its contact opens to stop",
@@ -223,6 +230,14 @@ inline constexpr check table[] = {
     {matters, {zlac::right_rated_current, zlac::right_max_current}, is_rated_above,
      "the rated current is above the maximum, so the overload protection acts late or never",
      lower_rated},
+    {matters, {zlac::left_speed_kp}, is_zero,
+     no_speed_gain, {.act = gain_of_motor, .write = "left_speed_kp=500"}},
+    {matters, {zlac::right_speed_kp}, is_zero,
+     no_speed_gain, {.act = gain_of_motor, .write = "right_speed_kp=500"}},
+    {matters, {zlac::left_position_kp}, is_zero,
+     no_position_gain, {.act = gain_of_motor, .write = "left_position_kp=100"}},
+    {matters, {zlac::right_position_kp}, is_zero,
+     no_position_gain, {.act = gain_of_motor, .write = "right_position_kp=100"}},
     {matters, {zlac::left_encoder_lines}, is_zero,
      "without encoder lines positions and speeds have no scale", set_lines},
     {matters, {zlac::right_encoder_lines}, is_zero,
@@ -242,11 +257,11 @@ inline constexpr check table[] = {
     {matters, {zlac::left_following_error_limit, zlac::right_following_error_limit}, differs,
      unlike, make_alike},
     {matters, {zlac::left_acceleration_time, zlac::right_acceleration_time}, differs,
-     unlike, make_alike},
+     unlike_ramps, make_alike},
     {matters, {zlac::left_deceleration_time, zlac::right_deceleration_time}, differs,
-     unlike, make_alike},
+     unlike_ramps, make_alike},
     {matters, {zlac::left_quick_stop_time, zlac::right_quick_stop_time}, differs,
-     unlike, make_alike},
+     unlike_ramps, make_alike},
     {matters, {zlac::left_max_speed, zlac::right_max_speed}, differs,
      unlike, make_alike},
     {matters, {zlac::left_max_speed, zlac::max_motor_speed}, exceeds_second,

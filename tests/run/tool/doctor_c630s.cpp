@@ -104,6 +104,10 @@ constexpr doctored::state<bench> states[] = {
     {"torque by an analogue input", put<0x0707, 2>, " torque_limit_source"},
     {"no torque forward", put<0x0709, 0>, " positive_internal_torque_limit"},
     {"no torque in reverse", put<0x070A, 0>, " negative_internal_torque_limit"},
+    {"no position gain", put<0x0802, 0>, " position_loop_gain"},
+    {"no second position gain, which is not in force", put<0x0805, 0>},
+    {"no second position gain", [](bench& b) { return put<0x0805, 0>(b) && put<0x0809, 7>(b); },
+     " second_position_loop_gain"},
     {"modes that inputs switch", put<0x0200, 6>},
     {"a gear beside P05-02",
      [](bench& b) {
