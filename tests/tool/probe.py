@@ -2,13 +2,18 @@
 # SPDX-License-Identifier: BSL-1.0
 """The probe of a drive on a line, and simulators that behave as it has found: the same comes out as went in."""
 import os
+import re
+import select
 import signal
 import sys
+import threading
 import time
+import tty
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
 from programs import Tool, play_tool, scene, until
+from tapped_line import open_terminal
 
 # PROBED in the environment: the drives, `zlac8015d` if it is not given, since each takes half a minute.
 
@@ -153,6 +158,80 @@ def interrupted(tool: Tool, device: str):
             tool.says(f"{device}, after {seconds} s: and its state", f"read drive {device} {status} {WAIT}", *at_rest.splitlines())
             tool.run(f"restore drive {device} before.txt --dry-run {WAIT}")
             tool.check(f"{device}, after {seconds} s: and is at rest", tool.last.status == 0, tool.found())
+
+
+class DyingLine:
+    """A line between a client and a drive that goes dead at a request, and comes back when it is told to."""
+
+    def __init__(self, client: Path, drive: Path):
+        self.client, self.keeper = open_terminal(client)
+        self.drive = os.open(drive, os.O_RDWR | os.O_NOCTTY)
+        tty.setraw(self.drive)
+        self.left = -1  # requests until it is dead; below 0: any
+        self.died = 0.0
+        threading.Thread(target=self.relay, daemon=True).start()
+
+    def relay(self):
+        while True:
+            for one in select.select([self.client, self.drive], [], [])[0]:
+                data = os.read(one, 4096)
+                if one == self.client and self.left >= 0:
+                    self.left -= self.left > 0
+                    if self.left == 0 and not self.died:
+                        self.died = time.monotonic()
+                if self.left:
+                    os.write(self.drive if one == self.client else self.client, data)
+
+
+def begun(tool: Tool, device: str) -> tuple:
+    """A probe that has been allowed to move the motor, and what its answers are written to."""
+    reads, writes = os.pipe()
+    with os.fdopen(reads) as stdin:
+        running = tool.start(f"probe client {device} found.txt --timeout 500", stdin=stdin)
+    while running.process.poll() is None:
+        until(lambda: running.process.poll() is not None or running.err.endswith((": ", "] ")))
+        asked = running.err
+        os.write(writes, b"move\n" if asked.endswith("leave it out: ") else b"?\n")
+        if "free to turn" in asked:
+            break
+        until(lambda: running.err != asked)
+    return running, writes
+
+
+@scene(*os.environ.get("PROBED", "zlac8015d").split())
+def dead_line(tool: Tool, device: str):
+    """It ends 20 s after the line went dead, and names what the drive keeps and the commands that undo it."""
+    with tool.simulated(device) as drive:
+        line = DyingLine(tool.folder / "client", tool.folder / "drive")
+        if device.startswith("yako"):
+            tool.run(f"write client {device} auxiliary_command=release --yes")
+        tool.run(f"backup client {device} before.txt")
+        running, writes = begun(tool, device)
+        if device == "c630s":  # S-ON becomes a virtual input at a power cycle
+            until(lambda: running.err.endswith("leaves it out): "))
+            drive.send(signal.SIGUSR2)
+            until(lambda: "switched off and on" in drive.err)
+            os.write(writes, b"on\n")
+        line.left = 40
+        until(lambda: line.died)
+        tool.ends(running)
+        took = time.monotonic() - line.died
+        os.close(writes)
+        tool.check(f"{device}: it ends after 20 s", took < 21, took)
+        tool.status_is(f"{device}: with status 1", 1)
+        tool.err_has(f"{device}: it says why", "ended early: ")
+        said = tool.last.err_lines
+        count = [int(line.split()[0]) for line in said if line.endswith("not put back:")]
+        named = [line for line in said if re.fullmatch(r"  \w+: .+ before, .+ now", line)]
+        tool.check(f"{device}: each register has its old word and its present one", count == [len(named)] and named, tool.found())
+        commands = [line.partition("servobus ")[2] for line in said if "servobus write client" in line]
+        tool.check(f"{device}: a stop, and what puts them back", len(commands) == 2 and "stop it first" in tool.last.err,
+                   tool.found())
+        line.left = -1
+        for command in commands:
+            tool.exits(f"{device}: {command}", f"{command} --yes", 0)
+        tool.run(f"backup client {device} after.txt")
+        tool.is_equal(f"{device}: and the drive has its words", tool.read("after.txt"), tool.read("before.txt"))
 
 
 @scene()

@@ -8,6 +8,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 
 #include "c630s_enabled.hpp"
 
@@ -24,7 +25,12 @@ class c630s_probe : c630s_enabled {
         if (on_->read(c::servo_status.address) == in_fault)
             return on_->give_up("the drive has an alarm: reset it, and probe again");
         keeps_ = on_->read(c::eeprom_update.address);
+        const u16 homes = on_->read(c::homing_control.address);
+        homes_ = is_command(homes) ? 0 : homes;
         if (on_->has_failed()) return;
+        on_->put_back_last_first(); // no two inputs may have one function [Er.130]
+        on_->note_old(c::eeprom_update.address, std::span{&keeps_, 1});
+        on_->note_old(c::homing_control.address, std::span{&homes_, 1});
         keep(false);
         at_rest();
         bool has_prepared = false;
@@ -46,13 +52,21 @@ class c630s_probe : c630s_enabled {
     }
 
   private:
+    // P05-30 that would be carried out again is no setting of the owner.
+    static bool is_command(u16 word) {
+        using servobus::c630s::homing;
+        return word == static_cast<u16>(homing::start) ||
+               word == static_cast<u16>(homing::start_electrical) ||
+               word == static_cast<u16>(homing::set_home);
+    }
+
     // --- A power cycle
 
     // S-ON becomes the first virtual input, and what may survive a power cycle is stored.
     void prepare() {
         namespace c = servobus::c630s;
         old_.forget();
-        has_stored_ = true;
+        on_->set_saved(true);
         keep(true);
         for (unsigned n = 0; n < 8; ++n) {
             const auto wired = static_cast<u16>(c::di1_function.address + 2 * n);
@@ -116,20 +130,23 @@ class c630s_probe : c630s_enabled {
             make_safe();
             if (!on_->is_back(c::servo_status.address)) return;
             (void)on_->write(c::homing_control.address, 0);
-            if (has_stored_) keep(true);
+            make_safe();
+            if (on_->has_saved()) keep(true);
             old_.restore_last_first();
-            (void)on_->write(c::homing_control.address, 0);
+            (void)on_->write(c::homing_control.address, homes_);
             inputs(0);
             if (read(c::servo_status) == in_fault) reset_alarm(); // of a step that did not come to its end
             keep(true); // a 0 may have been stored, and a 1 is while it is 1
             (void)on_->write(c::eeprom_update.address, keeps_);
-            if (!on_->has_failed()) return;
+            if (on_->has_failed()) continue;
+            on_->set_saved(false);
+            return;
         }
     }
 
     std::int32_t place_ = 0; // as home was set before the power cycle
     u16 keeps_ = 1;          // P0C-13
-    bool has_stored_ = false;
+    u16 homes_ = 0;          // P05-30
 };
 
 } // namespace tool

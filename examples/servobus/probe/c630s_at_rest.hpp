@@ -32,9 +32,13 @@ class c630s_at_rest : public c630s_hands {
             on_->count_in_response(servobus::c630s::selected_fault_record.address, record);
         if (count) found("echoes_byte_count", *count == 2);
     }
-    // P0C-25 is read with its smallest value and with 100 ms. Only a drive that needs time of its own tells.
+    // P0C-25 is read with its smallest value, then with a delay that fits into the limit of a response beside the time
+    // that the drive itself needs: a drive that is slower than the limit does not hear its old word again. A drive that
+    // needs no time of its own does not tell.
     void own_delay() {
         namespace c = servobus::c630s;
+        constexpr servobus::duration least_own = servobus::milliseconds(15),
+                                     least = servobus::milliseconds(10);
         const auto time_of_read = [&] {
             const servobus::instant begun = on_->now();
             (void)read(c::response_delay);
@@ -43,13 +47,18 @@ class c630s_at_rest : public c630s_hands {
         set(c::response_delay, 0);
         (void)time_of_read();
         const servobus::duration own = time_of_read();
-        set(c::response_delay, 100);
-        (void)time_of_read();
-        const servobus::duration both = time_of_read();
+        const servobus::duration limit = on_->longest_response();
+        if (own > least_own && own + least * 2 < limit) {
+            const servobus::duration room{(limit - own).us / 2};
+            const u16 ms = static_cast<u16>(shorter_of(room, servobus::milliseconds(100)).us / 1000);
+            const servobus::duration delay = servobus::milliseconds(ms);
+            set(c::response_delay, ms);
+            (void)time_of_read();
+            const servobus::duration both = time_of_read();
+            found("delay_is_additional",
+                  both > longer_of(own, delay) + servobus::duration{shorter_of(own, delay).us / 2});
+        }
         old_.restore_last_first();
-        const bool is_told = own > servobus::milliseconds(15);
-        if (is_told)
-            found("delay_is_additional", both > servobus::milliseconds(100) + servobus::duration{own.us / 2});
     }
     // Two outputs show "servo ready", or a wired one and a virtual one do: the last of them shows it, or it does not.
     void same_output_twice() {

@@ -49,7 +49,10 @@ class c630s_hands : public probe_steps {
     }
     std::int32_t read_number(const auto& row) { return probe_steps::read_number(row.address); }
     // Decides whether what is written is kept over a power cycle.
-    void keep(bool is_so) { (void)on_->write(servobus::c630s::eeprom_update.address, is_so ? 1 : 0); }
+    void keep(bool is_so) {
+        (void)on_->write(servobus::c630s::eeprom_update.address, is_so ? 1 : 0);
+        on_->set_storing(is_so);
+    }
 
     // --- What the steps are made of
 

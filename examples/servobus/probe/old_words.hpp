@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "bench.hpp"
@@ -53,7 +54,9 @@ class old_words {
         return at != all_.end() ? &*at : nullptr;
     }
     void add(const old& read) {
-        if (!on_->has_failed()) all_.push_back(read);
+        if (on_->has_failed()) return;
+        all_.push_back(read);
+        on_->note_old(read.address, std::span{read.words}.first(read.is_pair ? 2 : 1));
     }
     void write(const old& o) {
         if (o.is_pair)

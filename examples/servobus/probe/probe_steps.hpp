@@ -50,7 +50,8 @@ class probe_steps {
     }
     /// Reads the register that is 1 for the low word first.
     void note_order(u16 address) {
-        order_ = on_->read(address) != 0 ? servobus::word_order::low_first : servobus::word_order::high_first;
+        on_->set_low_first(on_->read(address) != 0);
+        order_ = on_->is_low_first() ? servobus::word_order::low_first : servobus::word_order::high_first;
     }
 
     /// Nothing that was read after a failure counts.

@@ -46,7 +46,7 @@ class yako_probe : yako_motions {
             if (!on_->is_back(servobus::yako::status_word.address)) return;
             make_safe();
             old_.restore();
-            if (has_saved_) help(auxiliary::save_parameters);
+            if (on_->has_saved() && help(auxiliary::save_parameters)) on_->set_saved(false);
             if (!on_->has_failed()) return;
         }
     }

@@ -74,7 +74,7 @@ class yako_hands : public probe_steps {
         return on_->write(servobus::yako::auxiliary_command.address, static_cast<u16>(a));
     }
     void save() {
-        has_saved_ = has_saved_ || !on_->has_failed();
+        if (!on_->has_failed()) on_->set_saved(true);
         help(auxiliary::save_parameters);
     }
     void make_safe() {
@@ -131,7 +131,6 @@ class yako_hands : public probe_steps {
     u16 other_than(u16 address, u16 one, u16 other) const { return old_.word(address) == one ? other : one; }
 
     bool has_encoder_;
-    bool has_saved_ = false;
 };
 
 } // namespace tool

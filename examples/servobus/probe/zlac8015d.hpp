@@ -254,12 +254,12 @@ class zlac8015d_probe : probe_steps {
         const u16 other = old_.word(time) == 700 ? 800 : 700;
         (void)on_->write(z::mode_of_operation.address, 0); // else the mode may be saved too [errata B11]
         (void)on_->write(time, other);
-        may_have_saved_ = !on_->has_failed();
+        on_->set_saved(!on_->has_failed());
         (void)on_->write(z::save_parameters.address, 1);
         if (!on_->switch_off_and_on()) return save_again();
         const bool is_kept = on_->read(time) == other;
         found("save", is_kept ? "all" : "marked");
-        may_have_saved_ = is_kept || on_->has_failed();
+        on_->set_saved(is_kept || on_->has_failed());
         save_again();
         old_.restore();
     }
@@ -267,14 +267,13 @@ class zlac8015d_probe : probe_steps {
     void save_again() {
         namespace z = servobus::zlac8015d;
         old_.put_back(z::left_acceleration_time.address);
-        if (!may_have_saved_) return;
+        if (!on_->has_saved()) return;
         (void)on_->write(z::mode_of_operation.address, 0);
         (void)on_->write(z::save_parameters.address, 1);
-        may_have_saved_ = on_->has_failed();
+        on_->set_saved(on_->has_failed());
         old_.put_back(z::mode_of_operation.address);
     }
 
-    bool may_have_saved_ = false;
     int resolution_ = 1;
     bool is_running_at_rest_ = false;
 };

@@ -25,6 +25,15 @@ using namespace servobus;
 using tool::findings;
 using tool::seen;
 
+std::vector<std::uint8_t> content_of(std::span<const std::uint16_t> words) {
+    std::vector<std::uint8_t> content;
+    for (const std::uint16_t w : words) {
+        content.push_back(static_cast<std::uint8_t>(w >> 8));
+        content.push_back(static_cast<std::uint8_t>(w & 0xFFu));
+    }
+    return content;
+}
+
 class bench final : public tool::probe_bench {
   public:
     explicit bench(const sim::c630s_options& chosen) : model{chosen} { pass(milliseconds(1)); }
@@ -33,9 +42,14 @@ class bench final : public tool::probe_bench {
     bool consents = true;
     unsigned most_power_cycles = ~0u; // that the person does
     std::uint32_t lost_after = ~0u;   // requests
+    std::uint32_t lost_for = 3;       // requests
+    instant lost_at{};
     std::uint32_t requests = 0;
     std::uint32_t fastest = 0; // r/min
     unsigned power_cycles = 0;
+    duration slowest{}; // response
+
+    void wait_at_the_drive() { pass(milliseconds(3000)); }
 
   private:
     static constexpr duration per_request = milliseconds(4);
@@ -50,19 +64,21 @@ class bench final : public tool::probe_bench {
         }
     }
     bool is_lost() {
+        const instant sent = now_;
+        slowest = longer_of(slowest, per_request + model.response_delay());
         pass(per_request + model.response_delay());
-        return ++requests > lost_after && requests <= lost_after + 3;
-    }
-    static std::vector<std::uint8_t> content_of(std::span<const std::uint16_t> words) {
-        std::vector<std::uint8_t> content;
-        for (const std::uint16_t w : words) {
-            content.push_back(static_cast<std::uint8_t>(w >> 8));
-            content.push_back(static_cast<std::uint8_t>(w & 0xFFu));
-        }
-        return content;
+        if (per_request + model.response_delay() > response_limit()) return true; // it responds too late
+        if (++requests <= lost_after || requests - lost_after > lost_for) return false;
+        if (requests == lost_after + 1) lost_at = sent;
+        pass(response_limit() + milliseconds(100)); // and the quarantine
+        return true;
     }
     bool read_now(std::uint16_t address, std::span<std::uint16_t> words) override {
         return !is_lost() && model.read(address, words) == 0;
+    }
+    bool responds(std::uint16_t address) override {
+        std::uint16_t word[1]{};
+        return read_now(address, word);
     }
     written write_now(std::uint16_t address, std::span<const std::uint16_t> words) override {
         if (is_lost()) return written::unknown;
@@ -94,6 +110,7 @@ class bench final : public tool::probe_bench {
         return load_word(bytes{response}, 3);
     }
     instant clock() const override { return now_; }
+    duration response_limit() const override { return milliseconds(100); }
 
     instant now_{};
 };
@@ -114,6 +131,12 @@ std::vector<std::int64_t> words_of(sim::c630s& model) {
         words.push_back(model.stored(e.address));
     }
     return words;
+}
+
+std::size_t index_of(std::string_view name) {
+    std::size_t i = 0;
+    while (tool::c630s_interpretations[i].name != name) ++i;
+    return i;
 }
 
 // The first parameter that differs; 0 if none does.
@@ -220,6 +243,73 @@ TEST_CASE("a line that is lost at any request ends the probe of a C630S, which g
         }
     }
     CHECK(failed > 15);
+}
+
+TEST_CASE("a line that is lost for good ends the probe of a C630S after 20 s, and it says what is left") {
+    bench whole{{}};
+    const std::vector<std::int64_t> before = words_of(whole.model);
+    (void)probed(whole);
+    CHECK(whole.not_put_back().empty());
+    CHECK(whole.unsafe().empty());
+    CHECK_FALSE(whole.has_saved());
+    std::size_t most = 0;
+    for (std::uint32_t n = 0; n < whole.requests; n += n < 80 || n + 80 > whole.requests ? 1 : 41) {
+        CAPTURE(n);
+        bench on{{}};
+        on.lost_after = n;
+        on.lost_for = ~0u;
+        (void)probed(on);
+        CHECK(on.has_failed());
+        CHECK(since(on.lost_at, on.now()) <= milliseconds(20'000));
+        const auto put = [&](std::uint16_t address, std::span<const std::uint16_t> words) {
+            const std::vector<std::uint8_t> content = content_of(words);
+            return on.model.write(address, words_view{bytes{content}}) == 0;
+        };
+        for (const tool::unsafe_word& u : on.unsafe()) CHECK(put(u.address, {&u.word, 1}));
+        on.wait_at_the_drive(); // for its standstill
+        // As the command has them: the EEPROM's switch is on before words that are stored, and before its own word.
+        constexpr std::uint16_t keep[] = {1};
+        if (on.has_saved()) CHECK(put(c630s::eeprom_update.address, keep));
+        const auto left = on.not_put_back();
+        most = left.size() > most ? left.size() : most;
+        for (const tool::changed_register& c : left) {
+            CAPTURE(c.address);
+            if (c.address == c630s::eeprom_update.address) CHECK(put(c.address, keep));
+            CHECK(put(c.address, c.old));
+        }
+        CHECK(difference(words_of(on.model), before) == 0);
+    }
+    CHECK(most > 15);
+}
+
+TEST_CASE(
+    "the probe of a C630S keeps its owner's way of homing, and leaves no command to be carried out again") {
+    for (const bool consents : {false, true}) {
+        for (unsigned homing = 0; homing < 9; homing += homing == 3 ? 5 : 1) {
+            CAPTURE(consents);
+            CAPTURE(homing);
+            bench on{{}};
+            on.consents = consents;
+            const std::uint8_t content[] = {0, static_cast<std::uint8_t>(homing)};
+            REQUIRE(on.model.write(c630s::homing_control.address, words_view{content}) == 0);
+            const std::vector<std::int64_t> before = words_of(on.model);
+            (void)probed(on);
+            CHECK(difference(words_of(on.model), before) == 0);
+        }
+    }
+}
+
+TEST_CASE("the probe of a C630S makes no drive slower than it waits for") {
+    for (const std::uint32_t own : {40u, 0u}) {
+        sim::c630s_options chosen;
+        chosen.delay_is_additional = own != 0;
+        bench on{chosen};
+        on.consents = false;
+        const findings found = probed(on);
+        CHECK_FALSE(on.has_failed());
+        CHECK(on.slowest <= milliseconds(100));
+        CHECK((found.way(index_of("delay_is_additional")) == std::optional<unsigned>{1}) == (own != 0));
+    }
 }
 
 } // namespace probe_c630s_tests

@@ -32,6 +32,8 @@ template <class Model> class bench final : public tool::probe_bench {
     bool consents = true;
     unsigned most_power_cycles = ~0u; // that the person does
     std::uint32_t lost_after = ~0u;   // requests
+    std::uint32_t lost_for = 3;       // requests
+    instant lost_at{};
     std::uint32_t requests = 0;
     std::uint32_t fastest = 0; // r/min
     unsigned power_cycles = 0;
@@ -49,11 +51,19 @@ template <class Model> class bench final : public tool::probe_bench {
         }
     }
     bool is_lost() {
+        const instant sent = now_;
         pass(per_request);
-        return ++requests > lost_after && requests <= lost_after + 3;
+        if (++requests <= lost_after || requests - lost_after > lost_for) return false;
+        if (requests == lost_after + 1) lost_at = sent;
+        pass(response_limit() + milliseconds(100)); // and the quarantine
+        return true;
     }
     bool read_now(std::uint16_t address, std::span<std::uint16_t> words) override {
         return !is_lost() && model.read(address, words) == 0;
+    }
+    bool responds(std::uint16_t address) override {
+        std::uint16_t word[1]{};
+        return read_now(address, word);
     }
     written write_now(std::uint16_t address, std::span<const std::uint16_t> words) override {
         if (is_lost()) return written::unknown;
@@ -90,6 +100,7 @@ template <class Model> class bench final : public tool::probe_bench {
     seen look_at(std::uint8_t node) override { return model.address() == node ? seen::yes : seen::no; }
     std::optional<std::uint16_t> count_now(std::uint16_t, std::uint16_t) override { return std::nullopt; }
     instant clock() const override { return now_; }
+    duration response_limit() const override { return milliseconds(100); }
 
     instant now_{};
 };
@@ -260,6 +271,52 @@ TEST_CASE("a line that is lost at any request ends the probe of a stepper, which
             }
         }
         CHECK(failed > 60);
+    }
+}
+
+TEST_CASE("a line that is lost for good ends the probe of a stepper after 20 s, and it says what is left") {
+    for (unsigned kept = 0; kept < tool::yako_interpretations[index_of("kept")].ways.size(); ++kept) {
+        CAPTURE(kept);
+        std::vector<unsigned> ways(tool::yako_interpretations.size());
+        ways[index_of("kept")] = kept;
+        const sim::yako_options chosen = tool::options_of(tool::yako_switches, ways);
+        bench<sim::yako_closed_loop> whole{chosen};
+        const std::vector<std::uint16_t> before = words_of(whole.model);
+        (void)probed(whole);
+        CHECK(whole.not_put_back().empty());
+        CHECK(whole.unsafe().empty());
+        CHECK_FALSE(whole.has_saved());
+        std::size_t most = 0;
+        for (std::uint32_t n = 0; n < whole.requests; n += n < 40 || n + 40 > whole.requests ? 1 : 11) {
+            CAPTURE(n);
+            bench<sim::yako_closed_loop> on{chosen};
+            on.lost_after = n;
+            on.lost_for = ~0u;
+            (void)probed(on);
+            CHECK(on.has_failed());
+            CHECK(since(on.lost_at, on.now()) <= milliseconds(20'000));
+            const auto put = [&](std::uint16_t address, std::span<const std::uint16_t> words) {
+                std::vector<std::uint8_t> content;
+                for (const std::uint16_t w : words) {
+                    content.push_back(static_cast<std::uint8_t>(w >> 8));
+                    content.push_back(static_cast<std::uint8_t>(w & 0xFFu));
+                }
+                return on.model.write(address, words_view{bytes{content}}) == 0;
+            };
+            for (const tool::unsafe_word& u : on.unsafe()) CHECK(put(u.address, {&u.word, 1}));
+            const auto left = on.not_put_back();
+            most = left.size() > most ? left.size() : most;
+            for (const tool::changed_register& c : left) {
+                CAPTURE(c.address);
+                CHECK(put(c.address, c.old));
+            }
+            CHECK(words_of(on.model) == before);
+            constexpr std::uint16_t save[] = {0x42};
+            if (on.has_saved()) CHECK(put(servobus::yako::auxiliary_command.address, save));
+            on.model.power_cycle();
+            CHECK(words_of(on.model) == before);
+        }
+        CHECK(most > 10);
     }
 }
 

@@ -31,6 +31,8 @@ class bench final : public tool::probe_bench {
     bool has_brake = true;
     bool switches = true;           // the person does
     std::uint32_t lost_after = ~0u; // requests
+    std::uint32_t lost_for = 3;     // requests
+    instant lost_at{};
     std::uint32_t requests = 0;
     std::uint32_t fastest = 0; // r/min
     std::vector<std::string> asked{};
@@ -49,11 +51,19 @@ class bench final : public tool::probe_bench {
         }
     }
     bool is_lost() {
+        const instant sent = now_;
         pass(per_request);
-        return ++requests > lost_after && requests <= lost_after + 3;
+        if (++requests <= lost_after || requests - lost_after > lost_for) return false;
+        if (requests == lost_after + 1) lost_at = sent;
+        pass(response_limit() + milliseconds(100)); // and the quarantine
+        return true;
     }
     bool read_now(std::uint16_t address, std::span<std::uint16_t> words) override {
         return !is_lost() && model.read(address, words) == 0;
+    }
+    bool responds(std::uint16_t address) override {
+        std::uint16_t word[1]{};
+        return read_now(address, word);
     }
     written write_now(std::uint16_t address, std::span<const std::uint16_t> words) override {
         if (is_lost()) return written::unknown;
@@ -80,6 +90,7 @@ class bench final : public tool::probe_bench {
     seen look_at(std::uint8_t) override { return seen::unknown; }
     std::optional<std::uint16_t> count_now(std::uint16_t, std::uint16_t) override { return std::nullopt; }
     instant clock() const override { return now_; }
+    duration response_limit() const override { return milliseconds(100); }
 
     instant now_{};
 };
@@ -229,6 +240,49 @@ TEST_CASE(
             }
         }
         CHECK(failed > 60);
+    }
+}
+
+TEST_CASE("a line that is lost for good ends the probe of a ZLAC8015D after 20 s, and it says what is left") {
+    for (const unsigned save : {0u, 1u}) {
+        std::vector<unsigned> ways = ways_of(0);
+        ways[1] = save; // the marked rows, or all
+        const sim::zlac8015d_options chosen = tool::options_of(tool::zlac8015d_switches, ways);
+        bench whole{chosen};
+        const std::vector<std::uint16_t> before = words_of(whole.model);
+        (void)probed(whole);
+        CHECK(whole.not_put_back().empty());
+        CHECK(whole.unsafe().empty());
+        CHECK_FALSE(whole.has_saved());
+        std::size_t most = 0;
+        for (std::uint32_t n = 0; n < whole.requests; n += n < 40 || n + 40 > whole.requests ? 1 : 11) {
+            CAPTURE(save);
+            CAPTURE(n);
+            bench on{chosen};
+            on.lost_after = n;
+            on.lost_for = ~0u;
+            (void)probed(on);
+            CHECK(on.has_failed());
+            CHECK(since(on.lost_at, on.now()) <= milliseconds(20'000));
+            const auto put = [&](std::uint16_t address, std::uint16_t word) {
+                const std::uint8_t content[] = {static_cast<std::uint8_t>(word >> 8),
+                                                static_cast<std::uint8_t>(word & 0xFFu)};
+                return on.model.write(address, words_view{content}) == 0;
+            };
+            for (const tool::unsafe_word& u : on.unsafe()) CHECK(put(u.address, u.word));
+            const auto left = on.not_put_back();
+            most = left.size() > most ? left.size() : most;
+            for (const tool::changed_register& c : left) {
+                CAPTURE(c.address);
+                CHECK((!c.is_certain || on.model.peek(c.address) == c.now[0]));
+                CHECK(put(c.address, c.old[0]));
+            }
+            CHECK(words_of(on.model) == before);
+            if (!on.has_saved()) continue;
+            CHECK(put(z::mode_of_operation.address, 0));
+            CHECK(put(z::save_parameters.address, 1));
+        }
+        CHECK(most > 7);
     }
 }
 
