@@ -83,8 +83,19 @@ inline status_flags outputs_of(const held_registers& r) {
 inline bool has_fault(const held_registers& r, const check&) {
     return is_set_up(r) ? outputs_of(r).has_fault() : has_kind(r, c630s::alarm_class::fault);
 }
+inline bool turns(const held_registers& r) {
+    const int speed = r.number(c630s::actual_speed);
+    return speed > 2 || speed < -2;
+}
+// The warning Er.900 stays until a reset: of a motor that turns, the emergency stop is over.
 inline bool has_warning(const held_registers& r, const check&) {
-    return has_kind(r, c630s::alarm_class::warning);
+    constexpr u16 stopped_by_input = 0x900;
+    return has_kind(r, c630s::alarm_class::warning) &&
+           !(turns(r) && r.word(c630s::recorded_alarm) == stopped_by_input);
+}
+// A motor that turns does not obey the input: another finding says that it turns.
+inline bool is_stopped_by_input(const held_registers& r, const check& c) {
+    return is_given(r, c) && !turns(r);
 }
 inline bool is_unready(const held_registers& r, const check&) {
     return is_set_up(r) && !outputs_of(r).is_ready() && !outputs_of(r).has_fault();
@@ -115,10 +126,7 @@ inline bool has_no_wired_brake(const held_registers& r, const check&) {
 
 // Others
 
-inline bool is_turning(const held_registers& r, const check& c) {
-    const int speed = r.number(c630s::actual_speed);
-    return r.has(c.of[0]) && (speed > 2 || speed < -2);
-}
+inline bool is_turning(const held_registers& r, const check&) { return turns(r); }
 inline bool has_unused_gear(const held_registers& r, const check& c) {
     const bool is_factory = r.pair(c.of[1]) == c630s::gear_1_numerator.initial &&
                             r.pair(c.of[2]) == c630s::gear_1_denominator.initial;
@@ -191,7 +199,7 @@ inline constexpr check table[] = {
     {matters, {c630s::input_conduction}, is_given,
      "the negative limit switch is active: the motor does not turn in reverse",
      leave_it, which_is_active, as_word(input_function::negative_overtravel), active_registers},
-    {matters, {c630s::input_conduction}, is_given,
+    {matters, {c630s::input_conduction}, is_stopped_by_input,
      "the emergency stop is active: the motor is energised and stays where it is",
      release_stop, which_is_active, as_word(input_function::emergency_stop), active_registers},
     {matters, {c630s::emergency_stop}, is_set,

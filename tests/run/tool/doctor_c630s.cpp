@@ -267,5 +267,36 @@ TEST_CASE("the limits of the checks of a C630S") {
     }
 }
 
+TEST_CASE("doctor says nothing of an emergency stop while the motor of a C630S turns") {
+    const auto b = make_of({});
+    const auto says = [&](const char* what) {
+        const auto held = doctored::read_of(b->model, list, map);
+        for (const doctored::check* c : tool::diagnosis::find(list, held)) {
+            const std::string more = c->more != nullptr ? c->more(held, *c) : "";
+            if ((std::string{c->why} + more).find(what) != std::string::npos) return true;
+        }
+        return false;
+    };
+    constexpr const char* warning = "Er.900, emergency stop by input";
+    constexpr const char* input = "the emergency stop is active";
+    REQUIRE(turn(*b));
+    REQUIRE(put<0x0D05, 1>(*b));
+    b->pass(500);
+    CHECK(says(warning)); // at rest
+    REQUIRE(put<0x0D05, 0>(*b));
+    b->pass(800);
+    REQUIRE(b->model.peek(0x0B00) != 0);
+    REQUIRE(b->model.peek(0x0B22) == 0x900); // until a reset
+    CHECK_FALSE(says(warning));
+    CHECK(says("the motor turns"));
+    REQUIRE(conduct<6>(*b));
+    b->pass(500);
+    CHECK(says(warning));
+    CHECK(says(input));
+    b->model.forced[0x0B00] = 60; // terminals that are forced, or a function that waits for power-on
+    CHECK_FALSE(says(warning));
+    CHECK_FALSE(says(input));
+}
+
 } // namespace
 } // namespace doctor_c630s_tests
