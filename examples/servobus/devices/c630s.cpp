@@ -93,7 +93,7 @@ std::vector<alarm_row> c630s_alarms() {
         char code[8];
         (void)std::snprintf(code, sizeof code, "Er.%03X", static_cast<unsigned>(a.code) & 0xFFFu);
         rows.push_back(
-            {code, text(a.kind), a.is_resettable ? "yes" : "no", a.name, c630s::advice_for(a.code)});
+            {code, text(a.kind), a.is_resettable ? "yes" : "no", text(a), c630s::advice_for(a.code)});
     }
     return rows;
 }

@@ -48,7 +48,7 @@ std::vector<alarm_row> yako_alarms() {
     std::vector<alarm_row> rows;
     for (u16 error = 1; error <= yako::error_code.limits.high; ++error)
         rows.push_back(
-            {std::to_string(error), "alarm", "unstated", yako::error_text(error), yako::advice_for(error)});
+            {std::to_string(error), "alarm", "unstated", yako::text(error), yako::advice_for(error)});
     return rows;
 }
 

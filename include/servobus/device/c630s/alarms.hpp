@@ -7,7 +7,8 @@
 // P0D-01 and FunIN.2 reset a warning immediately, and a resettable fault only while the servo is off. For the
 // other faults, switch the power off and remove the cause. c630s/advice.hpp has cause and remedy of each.
 //
-//     constexpr const c630s::alarm* a = c630s::find_alarm(0x620); // Er.620, motor overload
+//     const char* why = c630s::text(0x620); // "motor overload", Er.620
+//     constexpr const c630s::alarm* a = c630s::find_alarm(0x620);
 //     static_assert(a->kind == c630s::alarm_class::fault && a->is_resettable);
 #pragma once
 
@@ -102,6 +103,14 @@ constexpr const alarm* find_alarm(u16 code) {
         if (a.code == code) return &a;
     }
     return nullptr;
+}
+
+constexpr const char* text(const alarm& a) { return a.name; }
+/// The name of the alarm with a code such as 0x101, as P0B-34 presumably holds it [errata C17]; 0 is none.
+constexpr const char* text(u16 code) {
+    const alarm* const a = find_alarm(code);
+    if (a != nullptr) return a->name;
+    return code == 0 ? "none" : "unlisted alarm";
 }
 
 } // namespace servobus::c630s

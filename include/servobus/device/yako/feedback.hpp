@@ -18,7 +18,7 @@
 namespace servobus::yako {
 
 /// The name of an error code of 0006h. The manual does not state what 1..5 mean [errata A36].
-constexpr const char* error_text(std::uint16_t error) {
+constexpr const char* text(std::uint16_t error) {
     constexpr const char* names[] = {"none", "error 1", "error 2", "error 3", "error 4", "error 5"};
     return error < 6 ? names[error] : "unlisted error";
 }
@@ -30,7 +30,7 @@ template <class Device> struct basic_feedback {
     using output_levels =
         std::conditional_t<detail::is_closed_loop<Device>, closed_loop::outputs, open_loop::outputs>;
 
-    std::uint16_t error = 0; ///< 0: none; the manual has no list of the others; see `error_text`
+    std::uint16_t error = 0; ///< 0: none; the manual has no list of the others; see `yako::text`
     motion_status state{};
     input_levels inputs{};
     output_levels outputs{};
