@@ -69,7 +69,7 @@ def beside_the_responses(tool: Tool):
 def doubled_responses(tool: Tool):
     with tool.simulated("zlac8015d --faults doubled --seed 1"):
         tool.run("doctor drive zlac8015d:1 --timeout 2000")
-        tool.out_has("doctor of a drive: two responses to a request", f"matters  {TWO}")
+        tool.out_has("doctor of a drive: two responses to a request", f"refused  {TWO}")
     with tool.simulated("zlac8015d"):
         tool.run("doctor drive zlac8015d:1 --timeout 2000")
         tool.check("and not where each has one", TWO not in tool.last.out, tool.found())

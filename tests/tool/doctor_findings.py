@@ -132,8 +132,8 @@ def map_of_another_device(tool: Doctor):
         tool.status_is("the map of another drive: status 1", 1)
         tool.is_equal("one finding", len(tool.findings()), 1)
         tool.finds("with counts, and what it perhaps is", "refused", f" of {rows} rows of other.csv are refused (exception 2)",
-                   "perhaps it is a zlac8015d, not a other.csv", "servobus doctor drive zlac8015d:1")
-        tool.is_equal("and the sum", tool.last.lines[-1], "other.csv:1: 1 finding refuses an enable")
+                   "perhaps it is a zlac8015d, not what other.csv describes", "servobus doctor drive zlac8015d:1")
+        tool.is_equal("and the sum", tool.last.lines[-1], "other.csv:1: 1 finding keeps it from being used")
         good = "0x2000,one\n0x2001,two\n"
         for bad, status, found in [("1,three\n2,four\n", 0, ["unread   three: ", "unread   four: "]),
                                    ("1,three\n2,four\n3,five\n", 1, ["refused  3 of 5 rows of some.csv are refused (exception 2)"])]:
@@ -149,7 +149,7 @@ def map_of_another_device(tool: Doctor):
         tool.finds("another device", "2 of 3 rows of some.csv are refused (exception 2): the file describes another device -> give")
         tool.write("some.csv", "address,name\n300,one\n")
         tool.run(f"doctor {port} some.csv --timeout 2000")
-        tool.finds("a single row", "1 of 1 row of some.csv is refused")
+        tool.finds("a single row says nothing of a device", "unread   one: refused, exception 2")
 
 
 @scene(("locked",), ("released",))

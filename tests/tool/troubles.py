@@ -60,6 +60,9 @@ DRIVE = {
                                 in_drive="host_timeout=100"),
     "unlike currents": Trouble("the wheels are unlike", in_drive="right_max_current=20 right_rated_current=10"),
     "no speed": Trouble("max_motor_speed|speed", in_drive="max_motor_speed=1"),
+    "a gain of zero": Trouble("left_speed_kp=0: ", in_drive="left_speed_kp=0", also="the wheels are unlike"),
+    "unlike pole pairs": Trouble("left_pole_pairs=15, right_pole_pairs=10", in_drive="right_pole_pairs=10"),
+    "unlike ramps": Trouble("unlike ramps", in_drive="left_acceleration_time=200"),
 }
 
 
@@ -168,6 +171,11 @@ def foreign(tool: Tool):
         with troubled_line([tool.folder / "first"], Troubles()) as port:
             found_alone(tool, "another drive", f"doctor {port} zlac8015d:1",
                         "perhaps it is a yako-closed-loop, not a zlac8015d -> servobus doctor .* yako-closed-loop:1")
+            tool.write("other.csv", tool.run("map yako-closed-loop --profile").out)
+    with tool.simulated("zlac8015d", link="first"):
+        with troubled_line([tool.folder / "first"], Troubles()) as port:
+            found_alone(tool, "a foreign map", f"doctor {port} other.csv:1",
+                        r"rows of other.csv are refused .*perhaps it is a zlac8015d")
     with on_terminal(Device()) as port:
         found_alone(tool, "a meter", f"doctor {port} zlac8015d:1", "another device than zlac8015d -> servobus scan")
         tool.run(f"scan {port} --nodes 1")

@@ -210,7 +210,7 @@ int scan_pass::look_longer(std::uint8_t node, servobus::duration longest) {
     const auto request = servobus::modbus::read_frame(node, 0, 1);
     parsed_read late;
     // A late response belongs to no later read.
-    (void)hear(*port_, {}, std::max(p_->gaps.gap, p_->limits.response + servobus::milliseconds(100)));
+    (void)hear(*port_, {}, std::max(p_->gaps.gap, p_->limits.response * 2u + servobus::milliseconds(100)));
     for (unsigned i = 0; i < tries && late.responses.empty(); ++i)
         late = parse_overheard(hear(*port_, request, longest));
     if (late.responses.empty()) return done;

@@ -86,7 +86,8 @@ bool judge_whole_file(report& to, session& on, const target& of, std::span<const
         rows += t.rows.size();
         refused += t.refused.size();
     }
-    if (2 * refused <= rows) return false;
+    constexpr std::size_t fewest = 3; // that say something of a device
+    if (2 * refused <= rows || rows < fewest) return false;
     const std::string what = std::to_string(refused) + " of " + counted(rows, "row") + " of " +
                              of.kind->word() + (refused == 1 ? " is refused" : " are refused") +
                              exceptions_of(all);

@@ -19,7 +19,9 @@ bool explain_other_drive(report& to, session& on, const target& of, const std::s
     const char* const name = name_of_drive(of.node, look).name;
     const device* const other = name != nullptr ? find_device_quietly(name) : nullptr;
     if (other == nullptr || other == of.kind) return false;
-    to.refuse(what + ": perhaps it is a " + name + ", not a " + of.kind->word(),
+    const std::string named =
+        of.kind->file != nullptr ? "what " + of.kind->word() + " describes" : "a " + of.kind->word();
+    to.refuse(what + ": perhaps it is a " + name + ", not " + named,
               to.command_for(name + (':' + std::to_string(of.node)), "doctor"));
     return true;
 }
