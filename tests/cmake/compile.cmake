@@ -8,28 +8,29 @@ list(REMOVE_ITEM wrong_programs control.cpp)
 separate_arguments(given_flags NATIVE_COMMAND "${CMAKE_CXX_FLAGS}")
 set(compiler ${CMAKE_CXX_COMPILER} ${given_flags} -std=c++20 -Iinclude)
 
-# g++ takes the precompiled header of the programs where it finds it before the header itself, so copies of them lie
-# apart. clang++ is told where it is, and cross compilers of g++ 12 crash with one.
-set(fail_folder ${PROJECT_SOURCE_DIR}/tests/fail)
+# All that the programs include, precompiled once and put in front of each: the headers themselves are then skipped by their
+# `#pragma once`. Cross compilers of g++ 12 crash with one, so there it is an ordinary header. A program whose mistake is a
+# header that it lacks says `// ALONE`.
 set(fail_flags -fsyntax-only)
+set(fail_folder ${CMAKE_CURRENT_BINARY_DIR}/fail)
+set(fail_before)
+file(MAKE_DIRECTORY ${fail_folder})
 if(CMAKE_CXX_COMPILER_ID STREQUAL GNU AND NOT CMAKE_CROSSCOMPILING)
-  set(fail_folder ${CMAKE_CURRENT_BINARY_DIR}/fail/copies)
-  set(fail_flags -fsyntax-only -I${CMAKE_CURRENT_BINARY_DIR}/fail -Itests/fail)
-  file(MAKE_DIRECTORY ${fail_folder})
+  configure_file(fail/all.hpp ${fail_folder}/all.hpp COPYONLY)
+  set(fail_before -include ${fail_folder}/all.hpp)
   check(fail.header LABELS compile fast
-        COMMAND ${compiler} -w -x c++-header tests/fail/program.hpp -o ${CMAKE_CURRENT_BINARY_DIR}/fail/program.hpp.gch)
+        COMMAND ${compiler} -Itests/fail -w -x c++-header ${fail_folder}/all.hpp -o ${fail_folder}/all.hpp.gch)
   set_tests_properties(fail.header PROPERTIES FIXTURES_SETUP fail_header)
 elseif(CMAKE_CXX_COMPILER_ID STREQUAL Clang)
-  set(fail_header ${CMAKE_CURRENT_BINARY_DIR}/fail/program.pch)
-  file(MAKE_DIRECTORY ${CMAKE_CURRENT_BINARY_DIR}/fail)
-  check(fail.header LABELS compile fast COMMAND ${compiler} -w -x c++-header tests/fail/program.hpp -o ${fail_header})
+  set(fail_before -include-pch ${fail_folder}/all.pch)
+  check(fail.header LABELS compile fast
+        COMMAND ${compiler} -Itests/fail -w -x c++-header tests/fail/all.hpp -o ${fail_folder}/all.pch)
   set_tests_properties(fail.header PROPERTIES FIXTURES_SETUP fail_header)
 endif()
 
 check(fail.control LABELS compile fast COMMAND ${compiler} -fsyntax-only -Wall -Wextra -Werror tests/fail/control.cpp)
 foreach(program IN LISTS wrong_programs)
   get_filename_component(name ${program} NAME_WE)
-  configure_file(fail/${program} ${CMAKE_CURRENT_BINARY_DIR}/fail/copies/${program} COPYONLY)
   file(STRINGS fail/${program} expected REGEX "^// EXPECT: ")
   file(STRINGS fail/${program} figures REGEX "^// FIGURES: ")
   if(figures OR NOT expected)
@@ -40,11 +41,11 @@ foreach(program IN LISTS wrong_programs)
   string(REPLACE "// EXPECT: " "" expected "${expected}")
   string(REGEX REPLACE "([][+.*()^$?|\\\\])" "\\\\\\1" expected "${expected}")
   set(flags ${fail_flags})
-  file(STRINGS fail/${program} has_header REGEX "#include \"(program|stepper).hpp\"")
-  if(DEFINED fail_header AND has_header)
-    list(APPEND flags -include-pch ${fail_header})
+  file(STRINGS fail/${program} is_alone REGEX "^// ALONE")
+  if(NOT is_alone)
+    list(APPEND flags ${fail_before})
   endif()
-  check(fail.${name} LABELS compile fast COMMAND ${compiler} ${flags} ${fail_folder}/${program})
+  check(fail.${name} LABELS compile fast COMMAND ${compiler} ${flags} tests/fail/${program})
   set_tests_properties(fail.${name} PROPERTIES FIXTURES_REQUIRED fail_header
                        PASS_REGULAR_EXPRESSION
                        "error: (.*\n[^\n]*(error|note|in call to|expansion of|static assertion))?[^\n]*${expected}")

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSL-1.0
 //
 // A coil, in a program that includes servobus.hpp alone.
+// ALONE
 // EXPECT: for coils, inputs and functions 16h and 17h include servobus/any_device.hpp
 // MEND: #include <servobus/any_device.hpp>
 #include <servobus/registers/tables.hpp>
