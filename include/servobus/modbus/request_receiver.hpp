@@ -6,7 +6,9 @@
 //
 //     struct mute : modbus::request_receiver<mute> { // it executes nothing, and says so
 //         using request_receiver::request_receiver;
-//         constexpr std::size_t execute(bytes frame, byte_buffer pdu) { return modbus::put_exception(pdu, frame[1], 1); }
+//         constexpr std::size_t execute(bytes frame, byte_buffer pdu) {
+//             return modbus::put_exception(pdu, frame[1], 1);
+//         }
 //         constexpr bool is_executed(std::uint8_t) const { return false; }
 //     };
 #pragma once
@@ -311,11 +313,16 @@ template <class Server> class request_receiver {
         count_ -= begin;
     }
 
-    // Drops the candidates whose current frame fills the buffer: no valid frame is longer.
+    // Drops the candidates whose current frame fills the buffer: no valid frame is longer. Where it is a whole request,
+    // the next one begins.
     constexpr void give_up_oldest() {
         std::size_t kept = 0;
         for (std::size_t i = 0; i < candidate_count_; ++i) {
-            if (candidates_[i].begin != 0) candidates_[kept++] = candidates_[i];
+            candidate& r = candidates_[i];
+            if (r.begin == 0 && is_mine(buffer_[0]) && request_length(under_way(r)) == max_frame &&
+                crc16(under_way(r)) == 0)
+                r.begin = max_frame;
+            if (r.begin != 0) candidates_[kept++] = r;
         }
         candidate_count_ = static_cast<std::uint8_t>(kept);
         move_to_front();
