@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// A robot's wheels, a lift, a press and a sensor of another maker on one line: the plan says what is sent how often, and the
-// compiler checks that it fits.
+// A robot's wheels, a lift, a press and a sensor of another maker on one line: the plan says what is sent how often,
+// and the compiler checks that it fits.
 #pragma once
 
 #include <servobus/any_device.hpp>

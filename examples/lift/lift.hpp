@@ -1,7 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// A lift on a YAKO with closed loop: homing by a switch, moves in millimetres, jogging while a button is held, a stop input.
+// A lift on a YAKO with closed loop: homing by a switch, moves in millimetres, jogging while a button is held, a stop
+// input.
 #pragma once
 
 #include <servobus/control/take_over.hpp>

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// The lift in simulated time: homing, places, a button, a stop input, a power loss, an alarm, lost responses. It fails if the
-// simulated platform is elsewhere than the program says.
+// The lift in simulated time: homing, places, a button, a stop input, a power loss, an alarm, lost responses. It fails
+// if the simulated platform is elsewhere than the program says.
 #include <cstdio>
 
 #include <servobus/sim/line.hpp>

@@ -3,7 +3,8 @@
 //
 // A device of your own: a profile and its registers, in a header like this one and in your own namespace.
 // Copy it and fill in what your device's manual says; a client needs nothing else. own_drive.hpp adds commands
-// and a facade, own_simulator.hpp a simulated one. The device here, a winch, is invented. With a `line` whose timing is `servobus::modbus::timing_at(winch::device::facts.baud)`:
+// and a facade, own_simulator.hpp a simulated one. The device here, a winch, is invented. With a `line` whose timing is
+// `servobus::modbus::timing_at(winch::device::facts.baud)`:
 //
 //     servobus::client<decltype(line), winch::device> drum{line, servobus::node<winch::device>{5}};
 //     if (!drum.write<winch::speed>(12 * winch::r_per_min)) return;
@@ -64,7 +65,7 @@ inline constexpr rw<control_code> control_word {0x0001, {0, 4},              ser
 inline constexpr rw<i16>          speed        {0x0002, {-600, 600},         r_per_min / 10,    0};
 inline constexpr rw<u16>          ramp         {0x0003, {10, 5000},          millisecond,       500, servobus::saved};
 inline constexpr rw<u16>          limit        {0x0004, {0, 250},            ampere / 10,       100, servobus::saved};
-inline constexpr rw<u16>          host_word    {0x0005, servobus::full<u16>, servobus::no_unit, 0};   // 0 after power-on
+inline constexpr rw<u16>          host_word    {0x0005, servobus::full<u16>, servobus::no_unit, 0};  // 0 after power-on
 inline constexpr rw<i32>          target       {0x0006, {-1'000'000, 1'000'000}, pulse,         0,   servobus::motion};
 inline constexpr ro<u16>          load         {0x0010, servobus::full<u16>, ampere / 10,       0};
 inline constexpr ro<i32>          position     {0x0011, servobus::full<i32>, pulse,             0};   // two registers

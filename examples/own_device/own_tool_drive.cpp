@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// A drive of your own in the command-line tool: its map, its simulator, its alarms and its rules. The tool is built with
-// it, and nothing else changes:
+// A drive of your own in the command-line tool: its map, its simulator, its alarms and its rules. The tool is built
+// with it, and nothing else changes:
 //
 //     cmake -B build -DSERVOBUS_TOOL_DRIVES=/home/me/own_tool_drive.cpp && cmake --build build
 //     build/servobus read /dev/ttyUSB0 winch:5 position

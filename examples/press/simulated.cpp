@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// The press in simulated time: its set-up, strokes, a piece that is pressed, alarms, a restart, lost responses. It fails if the
-// simulated ram is elsewhere than the program says.
+// The press in simulated time: its set-up, strokes, a piece that is pressed, alarms, a restart, lost responses. It
+// fails if the simulated ram is elsewhere than the program says.
 #include <cstdio>
 
 #include <servobus/sim/c630s.hpp>

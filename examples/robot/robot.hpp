@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// A robot with two hub motors: twists at 50 Hz, and where it has come to. It prints nothing and waits for nothing, so that it
-// runs on a small core too.
+// A robot with two hub motors: twists at 50 Hz, and where it has come to. It prints nothing and waits for nothing, so
+// that it runs on a small core too.
 #pragma once
 
 #include <servobus/control/setpoint_loop.hpp>

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// The robot in simulated time, with a fault, a restart and lost responses: `robot_simulated PATH.svg` prints where it is and
-// draws its way. It fails if the robot stands more than 1 mm from a pose that says it is continuous.
+// The robot in simulated time, with a fault, a restart and lost responses: `robot_simulated PATH.svg` prints where it
+// is and draws its way. It fails if the robot stands more than 1 mm from a pose that says it is continuous.
 #include <cmath>
 #include <cstdio>
 #include <string>

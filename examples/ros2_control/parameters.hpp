@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Reads what the robot's URDF states of the hardware: the parameters of <hardware>, the joints and an optional sensor. A
-// description that is wrong is refused as a whole, with one sentence that names the wrong part.
+// Reads what the robot's URDF states of the hardware: the parameters of <hardware>, the joints and an optional sensor.
+// A description that is wrong is refused as a whole, with one sentence that names the wrong part.
 #pragma once
 
 #include <array>

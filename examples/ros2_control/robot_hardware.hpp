@@ -1,9 +1,9 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Drives two wheels on a serial port for a control loop that must not wait. It knows nothing of ROS: the hardware interface
-// (servobus_zlac8015d_system.hpp) calls it, and tests call it over a simulated line. Functions return what is wrong in one
-// sentence, or an empty string.
+// Drives two wheels on a serial port for a control loop that must not wait. It knows nothing of ROS: the hardware
+// interface (servobus_zlac8015d_system.hpp) calls it, and tests call it over a simulated line. Functions return what is
+// wrong in one sentence, or an empty string.
 #pragma once
 
 #include <cmath>
@@ -66,8 +66,8 @@ template <class Port> class robot_hardware {
     }
     bool is_open() const { return drive_.has_value(); }
 
-    /// Takes the drive over and energises it; nothing moves. A port that was lost is opened again. Waits, up to the drive's
-    /// ramps and the time of a few lost frames.
+    /// Takes the drive over and energises it; nothing moves. A port that was lost is opened again. Waits, up to the
+    /// drive's ramps and the time of a few lost frames.
     std::string activate() {
         is_taken_over_ = false;
         std::string error;

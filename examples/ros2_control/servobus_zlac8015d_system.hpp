@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Adapts a ZLAC8015D with two wheels to ros2_control: the hardware interface of a differential drive, in rad and rad/s. Its
-// `on_init` is that of the installed release, Humble, Jazzy or Rolling. Its `export_*_interfaces()` are those of
+// Adapts a ZLAC8015D with two wheels to ros2_control: the hardware interface of a differential drive, in rad and rad/s.
+// Its `on_init` is that of the installed release, Humble, Jazzy or Rolling. Its `export_*_interfaces()` are those of
 // Humble, which the others call as well.
 #pragma once
 
@@ -107,8 +107,8 @@ template <class Port> class basic_zlac8015d_system : public hardware_interface::
     CallbackReturn on_shutdown(const state&) override {
         return stop() ? CallbackReturn::SUCCESS : CallbackReturn::ERROR;
     }
-    /// Stops the drive as far as it can be reached, and closes the port. The framework calls it in its loop, which waits
-    /// meanwhile for the ramp and 3 s at most.
+    /// Stops the drive as far as it can be reached, and closes the port. The framework calls it in its loop, which
+    /// waits meanwhile for the ramp and 3 s at most.
     CallbackReturn on_error(const state&) override {
         is_active_ = robot_.is_open(); // an activation that has failed may have left it energised
         (void)stop();

@@ -30,8 +30,8 @@ struct wheel {
     double rad_per_s_of(std::int32_t tenths) const { return sign() * rad_per_turn * tenths / 600.0; }
 };
 
-/// Makes one command of the speeds of both wheels, in rad/s. A pair that is too fast slows down by one factor: here where it
-/// exceeds the type of a speed, and in the command where it exceeds the drive's limit.
+/// Makes one command of the speeds of both wheels, in rad/s. A pair that is too fast slows down by one factor: here
+/// where it exceeds the type of a speed, and in the command where it exceeds the drive's limit.
 inline servobus::zlac8015d::clamped_velocity velocity_of(const wheel (&wheels)[2], double left,
                                                          double right) {
     using servobus::zlac8015d::speed;
@@ -66,8 +66,8 @@ class wheels_model : public servobus::zlac8015d::model {
 
     /// Counts since the first feedback.
     constexpr std::int64_t counts(std::size_t wheel) const { return counts_[wheel]; }
-    /// How often the counts went on from their last value without the way between: after a restart of the drive, after each
-    /// take-over but the first.
+    /// How often the counts went on from their last value without the way between: after a restart of the drive, after
+    /// each take-over but the first.
     constexpr std::uint32_t gaps() const { return gaps_; }
     /// Goes on from the counts of another object, before the first feedback.
     constexpr void go_on_from(const wheels_model& before) {

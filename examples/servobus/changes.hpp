@@ -22,8 +22,8 @@ struct change {
 };
 
 std::string name_of(const servobus::entry& e);
-/// Refuses a device of a file if something of it moves: the file does not say how to see that it is at rest. Returns `done`,
-/// or the exit status after a complaint.
+/// Refuses a device of a file if something of it moves: the file does not say how to see that it is at rest. Returns
+/// `done`, or the exit status after a complaint.
 int refuse_moving(const device& of, const char* verb);
 /// True for the address, the rate and the format of a drive: as these are written, the drive may be gone.
 bool is_of_line(const device& of, const servobus::entry& e);
@@ -37,8 +37,8 @@ struct change_rules {
     std::string drive{};   ///< in front of what is printed: `lift.`
 };
 
-/// The changes of one drive. In this order: `look_for_rest`, `compare`, `say_cost`, then `write`. Each returns `done`, or
-/// the exit status after a complaint, and has written nothing unless it says so.
+/// The changes of one drive. In this order: `look_for_rest`, `compare`, `say_cost`, then `write`. Each returns `done`,
+/// or the exit status after a complaint, and has written nothing unless it says so.
 class changes {
   public:
     changes(session& on, const target& of, const change_rules& rules) : on_{&on}, of_{&of}, rules_{rules} {}
@@ -50,8 +50,8 @@ class changes {
     /// The same, in an order in which no two terminals have a function at once.
     /// Refuses what clashes with the drive's other terminals.
     int compare(std::vector<parameter> wanted);
-    /// Says what the changes cost: writes into the EEPROM, terminals that may become active. Refused if they are more than
-    /// the drive stores without an alarm.
+    /// Says what the changes cost: writes into the EEPROM, terminals that may become active. Refused if they are more
+    /// than the drive stores without an alarm.
     int say_cost();
     /// Writes all but what sets the line. Says what has been written if it ends early.
     int write();

@@ -25,9 +25,9 @@ struct place {
 /// `node 2, 115200 baud 8N1`
 std::string text_of(const place& where);
 
-/// The sections of a command line's file that it names, all if it names none; from the words `PORT FILE [NAME...]` and the
-/// option `--at`. Sections that say no rate have that of the command line. Returns `done`, or the exit status after a
-/// complaint.
+/// The sections of a command line's file that it names, all if it names none; from the words `PORT FILE [NAME...]` and
+/// the option `--at`. Sections that say no rate have that of the command line. Returns `done`, or the exit status after
+/// a complaint.
 int choose_sections(const arguments& asked, std::vector<machine_section>& sections);
 
 /// A session with a drive of the file.
@@ -37,8 +37,8 @@ struct found_drive {
     place where{};
 };
 
-/// Looks for the drive where the machine file has it, and where the command line says that it is now: by `--at`, `--baud`
-/// and `--format`. Refused if two drives respond. Returns `done`, or the exit status after a complaint.
+/// Looks for the drive where the machine file has it, and where the command line says that it is now: by `--at`,
+/// `--baud` and `--format`. Refused if two drives respond. Returns `done`, or the exit status after a complaint.
 int find_drive(const arguments& asked, const machine_section& wanted, found_drive& found);
 /// The first of these places at which the drive responds; no complaint if there is none.
 int find_among(const arguments& asked, const machine_section& wanted, const std::vector<place>& places,

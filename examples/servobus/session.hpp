@@ -91,8 +91,8 @@ std::string number_text(const servobus::entry& row, std::int64_t number);
 
 /// Why a row with `flag::zero_by_name` takes no 0 here, and what writes it.
 std::string undocumented_zero(const servobus::entry& e);
-/// Sets `words` for VALUE, which was given for a row; the high word of a pair is first. Returns the reason, which begins
-/// with the row's name, if the register cannot hold it exactly or may not be written; else an empty text.
+/// Sets `words` for VALUE, which was given for a row; the high word of a pair is first. Returns the reason, which
+/// begins with the row's name, if the register cannot hold it exactly or may not be written; else an empty text.
 std::string read_value(const servobus::entry& row, bool is_bit, std::string_view text,
                        std::vector<u16>& words);
 /// The words for VALUE, which was given for a register; the high word of a pair is first. Complains by itself
@@ -152,8 +152,8 @@ class session {
     void wait(servobus::duration time) { port_.wait(time); }
     /// How long a response may take to begin.
     servobus::duration response_limit() const { return node_.limits.response; }
-    /// Sends bytes as they are, and counts those that come within `time`, which it appends to `all` if that is not null.
-    /// For a port with a line of its own.
+    /// Sends bytes as they are, and counts those that come within `time`, which it appends to `all` if that is not
+    /// null. For a port with a line of its own.
     std::size_t count_after(servobus::bytes frame, servobus::duration time,
                             std::vector<std::uint8_t>* all = nullptr);
     /// Reads one row once, without a retry.

@@ -150,8 +150,8 @@ struct device {
     bool has_watchdog = true;   ///< any request may feed it; false: it has none. A file does not say it
     const char* file = nullptr; ///< its path; null for a drive that the tool knows
     bool has_flags = true;      ///< false: nothing says which registers move a machine
-    /// Points to the tables of a file, in the order of `servobus::table`; null for a drive that the tool knows, whose rows are
-    /// all in `map`.
+    /// Points to the tables of a file, in the order of `servobus::table`; null for a drive that the tool knows, whose
+    /// rows are all in `map`.
     const servobus::catalogue* tables = nullptr;
 
     const servobus::profile& facts() const { return *map->device; }
@@ -178,8 +178,8 @@ inline constexpr servobus::table all_tables[] = {servobus::table::coils, servobu
 /// The drives that the tool knows, by their names, without those of files. Each registers itself: see
 /// devices/registered_drive.hpp.
 std::span<const device> devices();
-/// The drive of that name, or the device of a file; a word with `.csv` or `/` is a file's path. The same word is the same
-/// device. Complains by itself.
+/// The drive of that name, or the device of a file; a word with `.csv` or `/` is a file's path. The same word is the
+/// same device. Complains by itself.
 const device* find_device(std::string_view word);
 /// As above, but sets `why` in place of a complaint.
 const device* find_device(std::string_view word, std::string& why);

@@ -128,6 +128,7 @@ check(docs.reference LABELS docs COST 60 COMMAND ${python} tests/reference/check
 check(docs.pages LABELS docs COST 40 COMMAND ${python} tests/docs/pages.py)
 check(docs.readme_commands LABELS docs REAL_TIME COST 100 COMMAND ${python} tests/docs/readme_commands.py)
 check(docs.header_examples LABELS docs COST 20 COMMAND ${python} tests/header_examples.py)
+check(docs.comments LABELS docs COMMAND ${python} tests/docs/comments.py --check)
 check(docs.promises LABELS docs COMMAND ${python} tests/docs/promises.py)
 check(docs.mutants LABELS docs COMMAND ${python} tests/mutate/mutate.py --list --mutants 1)
 

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// A client of libmodbus with the library's server of rows, on a serial device: all functions that libmodbus has. It notes
-// what it changes in a file, a register or a coil a line.   libmodbus_tables_client DEVICE FILE
+// A client of libmodbus with the library's server of rows, on a serial device: all functions that libmodbus has. It
+// notes what it changes in a file, a register or a coil a line.   libmodbus_tables_client DEVICE FILE
 #include <cerrno>
 #include <cstdio>
 #include <vector>

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// The library's server of rows with every function that it has, on a pseudo-terminal, until it is killed. It prints each
-// register and each coil that a request has changed, one a line.   tables_server LINK
+// The library's server of rows with every function that it has, on a pseudo-terminal, until it is killed. It prints
+// each register and each coil that a request has changed, one a line.   tables_server LINK
 #include <cstdio>
 #include <utility>
 

@@ -1,7 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Which requests the tests send, test case by test case: requests.py puts calls of it into copies of the simulated lines.
+// Which requests the tests send, test case by test case: requests.py puts calls of it into copies of the simulated
+// lines.
 #pragma once
 
 #include <cstddef>

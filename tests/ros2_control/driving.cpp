@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// The hardware interface drives: positions and velocities are those of the simulated wheels, commands have one factor at a
-// limit, and no call waits.
+// The hardware interface drives: positions and velocities are those of the simulated wheels, commands have one factor
+// at a limit, and no call waits.
 #include "robot.hpp"
 
 #include <algorithm>

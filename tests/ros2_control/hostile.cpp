@@ -1,8 +1,9 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Random lives of a robot: faults, wired stops, restarts, cut and unplugged lines, lost frames, commands that are no numbers,
-// and a manager that makes transitions at any time. What must hold is judged by the simulated wheels, not by the interface.
+// Random lives of a robot: faults, wired stops, restarts, cut and unplugged lines, lost frames, commands that are no
+// numbers, and a manager that makes transitions at any time. What must hold is judged by the simulated wheels, not by
+// the interface.
 #include "robot.hpp"
 
 #include <cstdio>
@@ -152,7 +153,8 @@ class life {
         CHECK(std::abs(now - before) < way_[wheel] + 0.7);
         if (now != before) way_[wheel] = 0;
     }
-    // At standstill, with young feedback, a position differs from the wheel's by a constant, until there is another gap.
+    // At standstill, with young feedback, a position differs from the wheel's by a constant, until there is another
+    // gap.
     void settle() {
         const sim::fault_plan& plan = w_.wire.faults();
         const bool is_clean = plan.lost_response + plan.corrupted_response + plan.late_response == 0;

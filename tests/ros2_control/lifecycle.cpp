@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// The transitions: what a wrong description, a port that is not there, an absent drive and a contradiction do, and that the
-// wheels stand after each way out.
+// The transitions: what a wrong description, a port that is not there, an absent drive and a contradiction do, and that
+// the wheels stand after each way out.
 #include "robot.hpp"
 
 #include <memory>

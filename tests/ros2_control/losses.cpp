@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// A drive that faults, is stopped by its wiring, restarts or is lost deactivates the interface once, with one sentence in the
-// log, and never moves again by itself.
+// A drive that faults, is stopped by its wiring, restarts or is lost deactivates the interface once, with one sentence
+// in the log, and never moves again by itself.
 #include "robot.hpp"
 
 #include <servobus/sim/faults.hpp>
@@ -11,8 +11,8 @@ namespace robots::losses {
 
 bool has(const std::string& text, const char* part) { return text.find(part) != std::string::npos; }
 
-/// Drives forward until `happens` has been called, then until the error and through the stop for it. Returns the log's first
-/// error. A drive that cannot be reached is stopped by its watchdog and stays enabled.
+/// Drives forward until `happens` has been called, then until the error and through the stop for it. Returns the log's
+/// first error. A drive that cannot be reached is stopped by its watchdog and stays enabled.
 template <class Happens>
 std::string error_after(world& w, Happens happens, std::uint32_t within_ms, bool is_reachable = true) {
     w.begin();

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// A robot in virtual time: a simulated ZLAC8015D on a virtual line, the hardware interface over it, and a loop that calls the
-// interface as the controller manager does.
+// A robot in virtual time: a simulated ZLAC8015D on a virtual line, the hardware interface over it, and a loop that
+// calls the interface as the controller manager does.
 #pragma once
 
 #include <doctest/doctest.h>

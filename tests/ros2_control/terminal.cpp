@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// The exported plugin on a real port of the system: a simulated drive on a pseudo-terminal, in real time. Its description is
-// that of urdf/robot.urdf.xacro, as described.py prints it.
+// The exported plugin on a real port of the system: a simulated drive on a pseudo-terminal, in real time. Its
+// description is that of urdf/robot.urdf.xacro, as described.py prints it.
 //     terminal DESCRIPTION PID       PID: of examples/simulated_drive, which unplugs its line at SIGUSR1
 #include <algorithm>
 #include <chrono>

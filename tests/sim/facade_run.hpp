@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: BSL-1.0
 //
 // A run of a facade with one drive: random commands on a faulty line. Some are preempted by a stop. Some
-// meet a restart of the drive, a fault, a wired stop, a loss of the port or a jump of the clock. What is reported done is done
-// (G16), no trigger is sent twice (G15), and only an initialisation writes to a drive whose cached state is
+// meet a restart of the drive, a fault, a wired stop, a loss of the port or a jump of the clock. What is reported done
+// is done (G16), no trigger is sent twice (G15), and only an initialisation writes to a drive whose cached state is
 // invalid (G21).
 #pragma once
 

@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: BSL-1.0
 //
 // Many runs on a hostile line, in virtual time: clients, adapters with a local echo, blocking lines, a bus,
-// facades, fleets, scans, lives of a drive. Every promise is checked throughout. One seed is one run of one kind. A run that
-// breaks a promise is printed in words.
+// facades, fleets, scans, lives of a drive. Every promise is checked throughout. One seed is one run of one kind. A run
+// that breaks a promise is printed in words.
 //     sim [--seeds N] [--from S]     N runs from seed S on
 //         [--least N]            exits 1 unless N transactions met each position of each drive's switches,
 //                                and N stalls of the program each place in a transaction with each drive

@@ -1,9 +1,10 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Plays a shard of every pair of mishaps, or all single mishaps under one interpretation of the manual, by the judges for
-// everybody (sim/conformance.hpp). tests/pairs.sh runs it.
-//   pairs DRIVE mishaps SHARD/SHARDS | pairs DRIVE interpretations SHARD/SHARDS | pairs DRIVE count | pairs DRIVE choices
+// Plays a shard of every pair of mishaps, or all single mishaps under one interpretation of the manual, by the judges
+// for everybody (sim/conformance.hpp). tests/pairs.sh runs it.
+//   pairs DRIVE mishaps SHARD/SHARDS | pairs DRIVE interpretations SHARD/SHARDS
+//   pairs DRIVE count | pairs DRIVE choices
 // DRIVE: zlac8015d, yako_closed_loop, yako_open_loop, c630s, winch. The last line has the shard, and how many runs,
 // findings and seconds it was; `count` prints how many pairs there are, `choices` how many interpretations.
 #include <cinttypes>

@@ -128,8 +128,8 @@ struct played {
         print_neighbours("before a request to a server", at_servers);
     }
 
-    /// Each kind was played as often as its floor demands for so many lives, and so many runs of any kind (`are_mixed`).
-    /// Prints those that were not. Fewer than 1000 runs have no floor.
+    /// Each kind was played as often as its floor demands for so many lives, and so many runs of any kind
+    /// (`are_mixed`). Prints those that were not. Fewer than 1000 runs have no floor.
     bool has_met_floors(std::uint64_t runs, bool are_mixed) const {
         if (runs < 1000) return true;
         const bool have_all_lived = have_lived();

@@ -61,8 +61,8 @@ class server_neighbours {
         (void)pass(50'000);
         using servobus::modbus::timing_mode;
         server.feed(foreign, servobus::instant{us});
-        // A gap of t3.5, as the server can see it with a loop of 250 us. All bytes of the request arrive together at its
-        // end.
+        // A gap of t3.5, as the server can see it with a loop of 250 us. All bytes of the request arrive together at
+        // its end.
         // With host timing a request may follow on a frame of known length without one.
         const bool is_joined = mode == timing_mode::host && has_known_length(what) && on_.one_in(2);
         const bool has_responded = !is_joined && pass(timing.t3_5 + on_.between(1'500, 20'000));

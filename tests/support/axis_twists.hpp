@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Twists at random, and the speeds of two wheels at them in long double: scaled by one factor where a wheel would exceed
-// its limit.
+// Twists at random, and the speeds of two wheels at them in long double: scaled by one factor where a wheel would
+// exceed its limit.
 #pragma once
 
 #include <cmath>

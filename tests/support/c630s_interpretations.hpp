@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// The interpretations of the C630S's manual under which its safety tests run: the switches of the simulated drive, but for
-// `gear_keeps_rest`, which moves the motor by less than a count of its encoder.
+// The interpretations of the C630S's manual under which its safety tests run: the switches of the simulated drive, but
+// for `gear_keeps_rest`, which moves the motor by less than a count of its encoder.
 // The whole product (SERVOBUS_INTERPRETATIONS=whole) is formed of the switches on which a promise may depend. The
 // switches that concern the wire, a unit of measure or a wired terminal change with each choice, so that each
 // of their positions is combined with many choices of the product.
@@ -34,9 +34,9 @@ struct interpretation {
     std::size_t share_of_rows = 1;
     bool is_of_whole_product = false;
 
-    /// For tests that inject a fault at each frame of each command. The default interpretation, and interpretations that
-    /// differ from it in one switch, take every frame. Any other interpretation takes a share of the frames, and the
-    /// share differs from interpretation to interpretation.
+    /// For tests that inject a fault at each frame of each command. The default interpretation, and interpretations
+    /// that differ from it in one switch, take every frame. Any other interpretation takes a share of the frames, and
+    /// the share differs from interpretation to interpretation.
     bool takes(std::size_t frame) const { return is_near_default() || (frame + number) % share == 0; }
     bool takes_row(std::size_t row) const { return is_near_default() || (row + number) % share_of_rows == 0; }
 
@@ -105,8 +105,8 @@ inline const std::vector<interpretation>& all() {
     return found_once;
 }
 
-/// Plays `scenes(interpretation)` under each interpretation; it returns how many scenes it played. For tests of the suite
-/// "interpretations". If SERVOBUS_INTERPRETATIONS is set, prints the number of choices and scenes.
+/// Plays `scenes(interpretation)` under each interpretation; it returns how many scenes it played. For tests of the
+/// suite "interpretations". If SERVOBUS_INTERPRETATIONS is set, prints the number of choices and scenes.
 template <class Scenes> void under(const Scenes& scenes) {
     std::size_t played = 0;
     for (const interpretation& r : all()) {

@@ -1,9 +1,9 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Every command of the C630S facade as a row of one table, for tests that disturb it at each of its frames: the state in
-// which it begins (c630s_states.hpp), how the drive is when it is done, and what it may send once. A port that transfers
-// whole frames counts them, so that no frame is left out.
+// Every command of the C630S facade as a row of one table, for tests that disturb it at each of its frames: the state
+// in which it begins (c630s_states.hpp), how the drive is when it is done, and what it may send once. A port that
+// transfers whole frames counts them, so that no frame is left out.
 #pragma once
 
 #include <cstddef>

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// A program and its C630S, and the states in which the commands of c630s_scenes.hpp begin. The drive has hazardous values
-// in its EEPROM and follows one interpretation of the manual (tests/support/c630s_interpretations.hpp).
+// A program and its C630S, and the states in which the commands of c630s_scenes.hpp begin. The drive has hazardous
+// values in its EEPROM and follows one interpretation of the manual (tests/support/c630s_interpretations.hpp).
 #pragma once
 
 #include <array>

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// The interpretations of each manual for the judges of sim/conformance.hpp, by number: 0 is the simulated drive's default,
-// then follows each position of each switch alone, then choices that contain every pair of positions.
+// The interpretations of each manual for the judges of sim/conformance.hpp, by number: 0 is the simulated drive's
+// default, then follows each position of each switch alone, then choices that contain every pair of positions.
 #pragma once
 
 #include <vector>

@@ -53,8 +53,8 @@ template <class Subject> void judge(std::uint32_t least_runs) {
 }
 
 /// Under each interpretation but the first: of the single mishaps one of `parts`, from interpretation to interpretation
-/// another. All of them with SERVOBUS_INTERPRETATIONS=whole; only the first interpretation with SERVOBUS_INTERPRETATIONS=default. Prints
-/// what was played.
+/// another. All of them with SERVOBUS_INTERPRETATIONS=whole; only the first interpretation with
+/// SERVOBUS_INTERPRETATIONS=default. Prints what was played.
 template <class Subject, class Interpretations>
 void judge_interpretations(std::uint32_t least_runs, std::uint32_t parts) {
     const char* wanted = std::getenv("SERVOBUS_INTERPRETATIONS");

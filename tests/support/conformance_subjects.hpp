@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// The drives of the library for the judges of sim/conformance.hpp: how each is seen from outside, what may happen to it,
-// and its commands. `Interpretations` numbers the interpretations of a manual; number 0 is the simulator's default.
+// The drives of the library for the judges of sim/conformance.hpp: how each is seen from outside, what may happen to
+// it, and its commands. `Interpretations` numbers the interpretations of a manual; number 0 is the simulator's default.
 #pragma once
 
 #include <cstdint>

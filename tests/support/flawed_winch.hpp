@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// The winch of the example with one flaw: of the motor, of what its registers show, of its model or of its subject, both
-// of which are in flawed_winch_subject.hpp.
+// The winch of the example with one flaw: of the motor, of what its registers show, of its model or of its subject,
+// both of which are in flawed_winch_subject.hpp.
 #pragma once
 
 #include <cstdint>

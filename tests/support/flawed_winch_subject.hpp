@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// The model, the facade and the subject of the winch with one flaw (flawed_winch.hpp). The judges of sim/conformance.hpp see
-// each flaw as an interpretation of the manual.
+// The model, the facade and the subject of the winch with one flaw (flawed_winch.hpp). The judges of
+// sim/conformance.hpp see each flaw as an interpretation of the manual.
 #pragma once
 
 #include <array>

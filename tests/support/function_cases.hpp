@@ -42,7 +42,8 @@ template <std::size_t Capacity> struct built_pdu {
     constexpr operator servobus::bytes() const { return {data, size}; } // NOLINT: a PDU is its bytes
 };
 
-/// True if the compiler can run `Call`. A builder names the rule that a constant request breaks by a call that it cannot.
+/// True if the compiler can run `Call`. A builder names the rule that a constant request breaks by a call that it
+/// cannot.
 template <class Call, std::size_t = Call{}()> constexpr bool is_constant(Call) { return true; }
 constexpr bool is_constant(...) { return false; }
 

@@ -20,8 +20,8 @@ namespace functions_reference {
 using byte_list = std::vector<std::uint8_t>;
 
 /// The fields of a request after its code, each a letter. Words: a, w addresses; q, r their quantities; v, x any; c a
-/// coil's value; s a sub-function. Bytes: m the MEI type; k a kind; o any; n a count, and as many bytes. *: words to the
-/// end, one at least.
+/// coil's value; s a sub-function. Bytes: m the MEI type; k a kind; o any; n a count, and as many bytes. *: words to
+/// the end, one at least.
 inline const std::map<unsigned, std::string>& forms() {
     static const std::map<unsigned, std::string> all{
         {1, "aq"}, {2, "aq"},   {3, "aq"},     {4, "aq"}, {5, "ac"},   {6, "av"},

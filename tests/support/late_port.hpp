@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// A port in front of a virtual line that hands each byte of a response over at a given time after its request, as a slow
-// drive, adapter or network would. The bytes are the simulated drive's own.
+// A port in front of a virtual line that hands each byte of a response over at a given time after its request, as a
+// slow drive, adapter or network would. The bytes are the simulated drive's own.
 #pragma once
 
 #include <cstddef>

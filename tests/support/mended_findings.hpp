@@ -75,8 +75,8 @@ template <class Bench> bool write(Bench& b, const new_value& wanted, const servo
     return is_low_first ? b.model.put(wanted.address, {low, high}) : b.model.put(wanted.address, {high, low});
 }
 
-/// Carries out the command of each finding that a state adds, and of each finding of the first state: the finding is gone
-/// then, unless a condition is in front of its command. Adds to `mended` why those that are gone had mattered.
+/// Carries out the command of each finding that a state adds, and of each finding of the first state: the finding is
+/// gone then, unless a condition is in front of its command. Adds to `mended` why those that are gone had mattered.
 template <class Bench, std::size_t Count, class Make>
 void expect_mended(const state<Bench> (&states)[Count], const check_list& list,
                    const servobus::catalogue& map, Make make, std::set<std::string>& mended) {

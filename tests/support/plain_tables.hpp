@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// A device with four tables, as a model of the standard that shares nothing with the library: what it has is in maps, and
-// a request that it cannot execute gets its exception.
+// A device with four tables, as a model of the standard that shares nothing with the library: what it has is in maps,
+// and a request that it cannot execute gets its exception.
 #pragma once
 
 #include <cstddef>

@@ -1,8 +1,9 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// A robot on a simulated ZLAC8015D, and where it really is: the counts of its simulated wheels, summed up in long double. The
-// place is noted whenever the drive gives its positions away, so a pose is compared with what it was made of.
+// A robot on a simulated ZLAC8015D, and where it really is: the counts of its simulated wheels, summed up in long
+// double. The place is noted whenever the drive gives its positions away, so a pose is compared with what it was made
+// of.
 #pragma once
 
 #include <array>

@@ -9,9 +9,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
-#include <map>
 #include <optional>
-#include <random>
 #include <string>
 #include <utility>
 #include <vector>
@@ -44,11 +42,12 @@ inline std::uint8_t low_byte(unsigned long long v) { return static_cast<std::uin
 
 class model {
   public:
-    explicit model(device of) : device_{std::move(of)} {
-        for (const row& r : device_.rows) values_[{r.table, r.address}] = r.initial;
+    /// The description must outlive it.
+    explicit model(const device& of) : device_{of} {
+        for (const row& r : of.rows) values_.push_back(r.initial);
     }
 
-    long long& value(char table, unsigned address) { return values_.at({table, address}); }
+    long long& value(char table, unsigned address) { return values_.at(at(table, address)); }
     const device& description() const { return device_; }
 
     /// Nothing for what is no request.
@@ -138,7 +137,7 @@ class model {
             if (size != 7) return 3;
             const auto found = find('h', word(pdu, 1), 1, 'r');
             if (!found) return 2;
-            const auto now = static_cast<unsigned>(values_.at({'h', word(pdu, 1)}) & 0xFFFF);
+            const auto now = static_cast<unsigned>(value('h', word(pdu, 1)) & 0xFFFF);
             out = pdu;
             return write('h', word(pdu, 1), {(now & word(pdu, 3)) | (word(pdu, 5) & ~word(pdu, 3) & 0xFFFF)});
         }
@@ -154,15 +153,16 @@ class model {
     }
 
     // The rows that cover exactly these addresses and have the right.
-    std::optional<std::vector<row>> find(char table, unsigned address, unsigned count, char right) const {
-        std::vector<row> found;
+    std::optional<std::vector<const row*>> find(char table, unsigned address, unsigned count,
+                                                char right) const {
+        std::vector<const row*> found;
         for (unsigned at = address; at < address + count;) {
             const auto r = std::find_if(device_.rows.begin(), device_.rows.end(),
                                         [&](const row& x) { return x.table == table && x.address == at; });
             if (r == device_.rows.end() || r->rights.find(right) == std::string::npos) return std::nullopt;
             at += r->words;
             if (at > address + count) return std::nullopt;
-            found.push_back(*r);
+            found.push_back(&*r);
         }
         return found;
     }
@@ -177,15 +177,15 @@ class model {
             out.push_back(low_byte((count + 7) / 8));
             out.resize(2 + (count + 7) / 8);
             for (unsigned i = 0; i < count; ++i) {
-                if (values_.at({table, address + i}) != 0) out[2 + i / 8] |= low_byte(1u << i % 8);
+                if (value(table, address + i) != 0) out[2 + i / 8] |= low_byte(1u << i % 8);
             }
             return 0;
         }
         out.push_back(low_byte(2 * count));
-        for (const row& r : *found) {
-            const auto v = static_cast<unsigned long long>(values_.at({r.table, r.address}));
-            for (unsigned w = 0; w < r.words; ++w) {
-                const unsigned shift = 16 * (device_.is_low_first ? w : r.words - 1 - w);
+        for (const row* r : *found) {
+            const auto v = static_cast<unsigned long long>(value(r->table, r->address));
+            for (unsigned w = 0; w < r->words; ++w) {
+                const unsigned shift = 16 * (device_.is_low_first ? w : r->words - 1 - w);
                 out.push_back(low_byte(v >> shift >> 8));
                 out.push_back(low_byte(v >> shift));
             }
@@ -198,21 +198,21 @@ class model {
         if (!found) return 2;
         std::vector<long long> wanted;
         std::size_t at = 0;
-        for (const row& r : *found) {
+        for (const row* r : *found) {
             long long v = data[at];
-            if (r.words == 2) {
+            if (r->words == 2) {
                 v = device_.is_low_first ? data[at + 1] * 65536LL + data[at]
                                          : data[at] * 65536LL + data[at + 1];
             }
-            at += r.words;
-            const long long modulus = r.words == 2 ? 1LL << 32 : 1LL << 16;
-            if (r.low < 0 && v >= modulus / 2) v -= modulus;
+            at += r->words;
+            const long long modulus = r->words == 2 ? 1LL << 32 : 1LL << 16;
+            if (r->low < 0 && v >= modulus / 2) v -= modulus;
             wanted.push_back(v);
         }
         for (std::size_t i = 0; i < wanted.size(); ++i) {
-            if (table == 'h' && (wanted[i] < (*found)[i].low || wanted[i] > (*found)[i].high)) return 3;
+            if (table == 'h' && (wanted[i] < (*found)[i]->low || wanted[i] > (*found)[i]->high)) return 3;
         }
-        for (std::size_t i = 0; i < wanted.size(); ++i) values_.at({table, (*found)[i].address}) = wanted[i];
+        for (std::size_t i = 0; i < wanted.size(); ++i) value(table, (*found)[i]->address) = wanted[i];
         return 0;
     }
 
@@ -257,8 +257,26 @@ class model {
         return 0;
     }
 
-    device device_;
-    std::map<std::pair<char, unsigned>, long long> values_;
+    std::size_t at(char table, unsigned address) const {
+        const auto r = std::find_if(device_.rows.begin(), device_.rows.end(),
+                                    [&](const row& x) { return x.table == table && x.address == address; });
+        return static_cast<std::size_t>(r - device_.rows.begin());
+    }
+
+    const device& device_;
+    std::vector<long long> values_; // in the order of the rows
+};
+
+/// Random numbers by SplitMix64: little state, since a fuzzer makes many.
+struct dice {
+    std::uint64_t state;
+
+    std::uint32_t operator()() {
+        std::uint64_t z = state += 0x9E37'79B9'7F4A'7C15;
+        z = (z ^ z >> 30) * 0xBF58'476D'1CE4'E5B9;
+        z = (z ^ z >> 27) * 0x94D0'49BB'1331'11EB;
+        return static_cast<std::uint32_t>((z ^ z >> 31) >> 32);
+    }
 };
 
 /// Requests for a device: most are well-formed and near its rows, some have a byte changed, lost or added.
@@ -366,7 +384,7 @@ class maker {
     }
 
     const device* device_;
-    std::mt19937 engine_;
+    dice engine_;
 };
 
 } // namespace row_model

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// The view of each simulated drive from outside, and what may happen to it: for all judges, those of sim/conformance.hpp
-// and those of tests/sim.
+// The view of each simulated drive from outside, and what may happen to it: for all judges, those of
+// sim/conformance.hpp and those of tests/sim.
 #pragma once
 
 #include <cstdint>

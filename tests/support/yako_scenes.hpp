@@ -282,8 +282,8 @@ template <class A> struct scene : A {
 };
 
 /// Plays `scene_at(row, n, variant, options)` for n = 0, 1, 2 .. as long as it returns that its event has occurred.
-/// Under the manual's first interpretation it plays all variants, under the others one after another. In the whole product
-/// each choice plays one scene, the next one of the next row.
+/// Under the manual's first interpretation it plays all variants, under the others one after another. In the whole
+/// product each choice plays one scene, the next one of the next row.
 template <class A, class Scene> void at_every_frame(std::size_t variants, Scene scene_at) {
     const rows<A> all = commands_of(static_cast<const A*>(nullptr));
     std::vector<std::size_t> next(variants * all.size(), 0);

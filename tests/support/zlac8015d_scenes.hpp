@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Every command of the ZLAC8015D facade, for tests that play it with an event at each of its frames: the states in which
-// commands begin, how the drive is when they are done, and what a command may have done that failed.
+// Every command of the ZLAC8015D facade, for tests that play it with an event at each of its frames: the states in
+// which commands begin, how the drive is when they are done, and what a command may have done that failed.
 #pragma once
 
 #include <array>

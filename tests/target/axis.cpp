@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Each operation of an axis in a separate function, `measured_...`: a conversion with its rest, unwrapping a position into
-// micrometres, sine and cosine, updating a pose, a twist to two wheels. The compiler knows none of the inputs.
+// Each operation of an axis in a separate function, `measured_...`: a conversion with its rest, unwrapping a position
+// into micrometres, sine and cosine, updating a pose, a twist to two wheels. The compiler knows none of the inputs.
 #include <cstdint>
 
 #include <servobus/axis/axis_place.hpp>
@@ -40,7 +40,8 @@ constinit odometry measured_pose{base.base()};
 }
 [[gnu::noipa]] wheel_speeds measured_twist(twist t) { return base.wheels(t, 10, 3000); }
 
-// The board runs the job twice. Three inputs of each: they differ in the corrections of a conversion and in the quadrant.
+// The board runs the job twice. Three inputs of each: they differ in the corrections of a conversion and in the
+// quadrant.
 bool job() {
     std::int32_t rest = 0;
     bool is_right = measured_convert(652'300, rest) == 16'384 && rest == 0;

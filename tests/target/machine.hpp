@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// The parts that the boards of the measured programs have in common: the vector table for qemu, memory at reset, text and
-// the exit status for the host, and the stack that a job uses. One source of a program includes it.
+// The parts that the boards of the measured programs have in common: the vector table for qemu, memory at reset, text
+// and the exit status for the host, and the stack that a job uses. One source of a program includes it.
 #pragma once
 
 #include <cstddef>

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// The programs of examples/robot, lift and press in a superloop: each iteration steps the machine and waits for nothing.
-// MACHINE chooses one; the board's inputs choose what it does.
+// The programs of examples/robot, lift and press in a superloop: each iteration steps the machine and waits for
+// nothing. MACHINE chooses one; the board's inputs choose what it does.
 #include "board.hpp"
 
 #if MACHINE == 1

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Clients on a line, a line with local echo and a blocking line, PDUs of all functions, a server, a pseudo-terminal and a ring.
-// Their ports are declared but not defined, so that no compiler knows the values. This file is only
+// Clients on a line, a line with local echo and a blocking line, PDUs of all functions, a server, a pseudo-terminal and
+// a ring. Their ports are declared but not defined, so that no compiler knows the values. This file is only
 // compiled.
 #include <array>
 #include <cstdint>

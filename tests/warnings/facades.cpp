@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// The facades of all drives on a serial port: commands, moves until arrival, feedback, steps, terminals; a robot by twists, axes
-// by lengths. This file is only compiled.
+// The facades of all drives on a serial port: commands, moves until arrival, feedback, steps, terminals; a robot by
+// twists, axes by lengths. This file is only compiled.
 #include <servobus/servobus.hpp>
 
 #include <servobus/client/settings_on_one_line.hpp>

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Servers of rows in strict and in host timing, with each option, arrays and computed rows. Their ports are declared but
-// not defined, so that no compiler knows the values. This file is only compiled.
+// Servers of rows in strict and in host timing, with each option, arrays and computed rows. Their ports are declared
+// but not defined, so that no compiler knows the values. This file is only compiled.
 #include <cstdint>
 
 #include <servobus/modbus/crc_tables.hpp>

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// The simulated drives on one virtual line, with a bus that reads them, and their catalogues; the judges on a drive of one's
-// own, advice about faults, why a command was refused, and what all drives share. This file is only compiled.
+// The simulated drives on one virtual line, with a bus that reads them, and their catalogues; the judges on a drive of
+// one's own, advice about faults, why a command was refused, and what all drives share. This file is only compiled.
 #include <servobus/bus/bus.hpp>
 #include <servobus/control/command_text.hpp>
 #include <servobus/control/motor_drive.hpp>

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// servobus apply: the drives of a machine file get what it says. A drive's line comes last: its rate and format, then its
-// address; after each of them the drive is looked for where it may be.
+// servobus apply: the drives of a machine file get what it says. A drive's line comes last: its rate and format, then
+// its address; after each of them the drive is looked for where it may be.
 #include <algorithm>
 #include <cstdio>
 #include <deque>
@@ -17,8 +17,8 @@
 namespace tool {
 namespace {
 
-// The drives that were written to and are not saved yet, by their names, in a file beside the machine file: a drive does
-// not tell whether it would lose what it holds.
+// The drives that were written to and are not saved yet, by their names, in a file beside the machine file: a drive
+// does not tell whether it would lose what it holds.
 class unsaved_drives {
   public:
     explicit unsaved_drives(const std::string& machine) : path_{machine + ".unsaved"} {

@@ -102,8 +102,8 @@ const device* device_of(std::string_view word) { return find_device_quietly(spli
 
 enum class register_use { show, read, write };
 
-// REG, or REG=VALUE for a write, each with its sentence after a tab. `given` are registers that the command line already
-// has.
+// REG, or REG=VALUE for a write, each with its sentence after a tab. `given` are registers that the command line
+// already has.
 answer registers(const device* of, std::string_view begun, register_use wanted,
                  std::span<const std::string> given) {
     const bool is_write = wanted == register_use::write;

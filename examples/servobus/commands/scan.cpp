@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// servobus scan: who answers on a line, at which rate and address, and which of the known drives it is, or what it says of
-// itself.
+// servobus scan: who answers on a line, at which rate and address, and which of the known drives it is, or what it says
+// of itself.
 #include <utility>
 
 #include "../os/interrupts.hpp"

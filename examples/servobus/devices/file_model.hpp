@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// A simulated device of a file: its rows hold the values that clients write. What else the device does, such as measuring,
-// no file says.
+// A simulated device of a file: its rows hold the values that clients write. What else the device does, such as
+// measuring, no file says.
 #pragma once
 
 #include <array>
@@ -20,8 +20,8 @@
 namespace tool {
 
 /// Executes functions 01 to 06, 0Fh and 10h on the rows of a file, with the checks of the standard in its order: the
-/// function (exception 1), quantity and byte count (3), the addresses (2), the values (3). An address without a row, half
-/// a pair and a row without that access are wrong addresses; a value outside `min` and `max` is a wrong value.
+/// function (exception 1), quantity and byte count (3), the addresses (2), the values (3). An address without a row,
+/// half a pair and a row without that access are wrong addresses; a value outside `min` and `max` is a wrong value.
 class file_model {
   public:
     file_model(const device& of, std::uint8_t node, std::uint32_t baud);

@@ -39,7 +39,8 @@ struct terminal {
     }
 };
 
-/// The inputs that count: all wired ones, also those without a contact, and the virtual ones while they are switched on.
+/// The inputs that count: all wired ones, also those without a contact, and the virtual ones while they are switched
+/// on.
 inline std::vector<terminal> terminals(const held_registers& r) {
     std::vector<terminal> all;
     for (unsigned di = 1; di <= 8; ++di) all.push_back({function_register(di), di, false});
@@ -83,8 +84,8 @@ inline std::vector<new_value> inactive(const held_registers& r, const check& c) 
     return {{t.logic(), static_cast<u16>(other)}};
 }
 
-// The wired servo-on that matters: one that is active, or that is not where the factory has it. The factory's, on DI1, is
-// part of what a set-up changes.
+// The wired servo-on that matters: one that is active, or that is not where the factory has it. The factory's, on DI1,
+// is part of what a set-up changes.
 inline terminal wired_servo_on(const held_registers& r) {
     for (const terminal& t : terminals(r)) {
         const bool is_factory = t.number == 1;

@@ -42,7 +42,8 @@ void explain_silence(report& to, const std::string& port, const target& of, serv
 void judge_responses(report& to, const std::string& port, const target& of, session& on, line_hearing& ear,
                      const asked_row& asked);
 
-/// Reports by the time of a response how short a program's period may be; `period_ms`: what it is to be, 0 if that is not known.
+/// Reports by the time of a response how short a program's period may be; `period_ms`: what it is to be, 0 if that is
+/// not known.
 void judge_period(report& to, const session& on, servobus::duration response, bool is_drive, unsigned devices,
                   unsigned period_ms);
 

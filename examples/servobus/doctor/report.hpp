@@ -14,8 +14,8 @@ namespace tool::diagnosis {
 /// The findings about one device. The first word of a line says how bad it is.
 class report {
   public:
-    /// `options`: those of the line, with a blank in front, as a command that mends something needs them. `is_long`: each
-    /// register that differs has a line.
+    /// `options`: those of the line, with a blank in front, as a command that mends something needs them. `is_long`:
+    /// each register that differs has a line.
     report(std::string port, std::string device, std::string options, bool is_long)
         : port_{std::move(port)}, device_{std::move(device)}, options_{std::move(options)}, is_long_{
                                                                                                 is_long} {}

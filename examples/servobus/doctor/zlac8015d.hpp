@@ -277,9 +277,9 @@ inline constexpr check table[] = {
 };
 // clang-format on
 
-// The requests of a doctor would keep the watchdog of a controller that is dead from stopping the wheels. In torque mode
-// the shafts of an enabled drive may read as released [errata B30]: there the last command decides, which 200Eh keeps.
-// None since power-on, and a stop, leave nothing enabled.
+// The requests of a doctor would keep the watchdog of a controller that is dead from stopping the wheels. In torque
+// mode the shafts of an enabled drive may read as released [errata B30]: there the last command decides, which 200Eh
+// keeps. None since power-on, and a stop, leave nothing enabled.
 inline bool may_be_enabled_unseen(const held_registers& r) {
     const u16 last = r.word(zlac::control_word);
     return r.word(zlac::mode_of_operation) == static_cast<u16>(zlac::operating_mode::torque) &&

@@ -11,8 +11,8 @@ namespace tool {
 
 /// A FILE of the command line. A regular file, also one that symbolic links lead to, is replaced as a whole:
 /// it has the old content until the new one is on the disk, and keeps its mode, and its owner where the
-/// system allows it (on Windows its attributes and access list). What is no regular file (a device, a FIFO, a pipe) is written into as it is. A block
-/// device, a folder and a link to nothing are refused.
+/// system allows it (on Windows its attributes and access list). What is no regular file (a device, a FIFO, a pipe) is
+/// written into as it is. A block device, a folder and a link to nothing are refused.
 class file_target {
   public:
     explicit file_target(std::string path);

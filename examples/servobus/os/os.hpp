@@ -36,9 +36,9 @@ inline constexpr const char* busy_text = "another program uses it";
 #endif
 
 /// Before anything is opened. A standard descriptor that is closed becomes one on which every read and write
-/// fails: no port or file that is opened later gets its number (Windows gives no file these numbers). A pipe whose reader has gone and a file that
-/// grows too large are errors of a write, not signals that end the program between two frames. Text has the
-/// same bytes on every system: lines end with LF.
+/// fails: no port or file that is opened later gets its number (Windows gives no file these numbers). A pipe whose
+/// reader has gone and a file that grows too large are errors of a write, not signals that end the program between two
+/// frames. Text has the same bytes on every system: lines end with LF.
 void prepare_streams();
 
 /// True for a terminal whose cursor escape sequences move.

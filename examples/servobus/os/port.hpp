@@ -122,8 +122,8 @@ bool leaves_setting_to_gateway(const arguments& asked);
 /// What a response may take longer behind a gateway than on a wire of one's own, if no --timeout is given.
 inline constexpr servobus::duration network_delay = servobus::milliseconds(500);
 
-/// The timing of a line on this port: a network delivers a frame in pieces. `longest_pause`: inside a frame, in place of
-/// what the port is known for.
+/// The timing of a line on this port: a network delivers a frame in pieces. `longest_pause`: inside a frame, in place
+/// of what the port is known for.
 servobus::modbus::rtu_timing timing_on(std::string_view name, std::uint32_t baud,
                                        std::optional<servobus::duration> longest_pause = std::nullopt);
 /// The value of --inter-byte, if it is given. False after a complaint.

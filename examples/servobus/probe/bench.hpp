@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// What a probe of a drive works with: a drive that it asks, and a person beside it. commands/probe.cpp has the real ones; a
-// test has a simulated drive, and a person who sees what that does.
+// What a probe of a drive works with: a drive that it asks, and a person beside it. commands/probe.cpp has the real
+// ones; a test has a simulated drive, and a person who sees what that does.
 #pragma once
 
 #include <algorithm>
@@ -34,8 +34,9 @@ struct unsafe_word {
     std::uint16_t word;
 };
 
-/// A drive and a person. Once a request has failed, nothing more is sent but what makes the drive safe: reads give 0, and
-/// nothing that was read after it counts. A line that stays silent ends all requests 20 s after the first that failed.
+/// A drive and a person. Once a request has failed, nothing more is sent but what makes the drive safe: reads give 0,
+/// and nothing that was read after it counts. A line that stays silent ends all requests 20 s after the first that
+/// failed.
 class probe_bench {
   public:
     static constexpr servobus::duration patience = servobus::milliseconds(20'000);

@@ -1,10 +1,10 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Settles on a real C630S what its manual leaves open: first what shows at rest, then what a power cycle shows, then what
-// shows while it is enabled by a virtual input. A terminal of S-ON takes effect at power-on [errata C15], so the person
-// switches the drive off and on twice: with the probe's terminals, and with the owner's again. The shaft must be free to turn.
-// Registers that a step changes hold their old words at the end, also in the EEPROM.
+// Settles on a real C630S what its manual leaves open: first what shows at rest, then what a power cycle shows, then
+// what shows while it is enabled by a virtual input. A terminal of S-ON takes effect at power-on [errata C15], so the
+// person switches the drive off and on twice: with the probe's terminals, and with the owner's again. The shaft must be
+// free to turn. Registers that a step changes hold their old words at the end, also in the EEPROM.
 #pragma once
 
 #include <cstdint>

@@ -72,7 +72,8 @@ class c630s_at_rest : public c630s_hands {
         found("first_output_shows", !shows(again_out));
         old_.restore_last_first();
     }
-    // Er.130: disabled virtual inputs first, then enabled ones. The alarm's record shows the voltage, and what is left of it.
+    // Er.130: disabled virtual inputs first, then enabled ones. The alarm's record shows the voltage, and what is left
+    // of it.
     void same_input_twice() {
         namespace c = servobus::c630s;
         constexpr in harmless = in::gain_selection;

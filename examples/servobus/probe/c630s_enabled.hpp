@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Settles what a C630S shows while a virtual input enables it: in speed mode, then in position mode. It turns at 20 r/min
-// at most.
+// Settles what a C630S shows while a virtual input enables it: in speed mode, then in position mode. It turns at 20
+// r/min at most.
 #pragma once
 
 #include <cstdint>

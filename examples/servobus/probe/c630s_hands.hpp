@@ -1,7 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Handles a C630S for the steps of its probe: sets registers, enables and starts it by virtual terminals, makes it safe.
+// Handles a C630S for the steps of its probe: sets registers, enables and starts it by virtual terminals, makes it
+// safe.
 #pragma once
 
 #include <cstdint>

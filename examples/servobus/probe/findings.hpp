@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Where a drive's manual can be read in several ways, and which of them a drive follows. text/findings_file.hpp has them as
-// a file.
+// Where a drive's manual can be read in several ways, and which of them a drive follows. text/findings_file.hpp has
+// them as a file.
 #pragma once
 
 #include <cstddef>

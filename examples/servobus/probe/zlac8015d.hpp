@@ -2,7 +2,8 @@
 // SPDX-License-Identifier: BSL-1.0
 //
 // Settles on a real ZLAC8015D what its manual leaves open: each step brings it into a state in which the readings show
-// which way it follows. Both wheels must be free to turn. Registers that a step changes hold their old words at the end.
+// which way it follows. Both wheels must be free to turn. Registers that a step changes hold their old words at the
+// end.
 #pragma once
 
 #include <cstdint>

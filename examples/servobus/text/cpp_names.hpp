@@ -11,8 +11,8 @@
 
 namespace tool::cpp {
 
-/// A name with letters, digits and `_` alone that is neither a keyword nor a usual macro. `-20` is `minus_20`. `prefix` is
-/// in front of a name that would begin with a digit, or as the compiler's own do.
+/// A name with letters, digits and `_` alone that is neither a keyword nor a usual macro. `-20` is `minus_20`. `prefix`
+/// is in front of a name that would begin with a digit, or as the compiler's own do.
 std::string identifier(std::string_view text, std::string_view prefix);
 /// A text in quotes.
 std::string literal(std::string_view text);

@@ -11,8 +11,8 @@
 
 namespace tool {
 
-/// Reads the cell into `row`, which has its table, type and range. Returns the reason why the cell is refused; empty if it
-/// is not.
+/// Reads the cell into `row`, which has its table, type and range. Returns the reason why the cell is refused; empty if
+/// it is not.
 std::string parse_names_cell(std::string_view cell, device_row& row);
 
 } // namespace tool

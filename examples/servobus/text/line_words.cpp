@@ -126,10 +126,13 @@ std::vector<remark> remarks_on(const line_account& heard, const line_terms& term
     const std::string allowed = std::to_string(terms.limit.us / 1000) + " ms that are allowed";
     const std::string longer = terms.with_timeout + std::to_string(timeout_for(heard.most())) +
                                ", and with every command; in a program a longer limits.response of the node";
+    const std::string look = "look for what delays them in the adapter, the gateway or this computer; or ";
     if (heard.late != 0) {
+        const bool is_usual = terms.limit.us / 2 < heard.median().us;
         say({std::to_string(heard.late) + " of " + counted(heard.answered, "response") + " began after the " +
-                 allowed + ", the last after " + ms_text(heard.most()) + " ms",
-             longer});
+                 allowed + ", the last after " + ms_text(heard.most()) + " ms" +
+                 (is_usual ? "" : ", half of them within " + ms_text(heard.median()) + " ms"),
+             (is_usual ? "" : look) + longer});
     } else if (heard.most().us > terms.limit.us / 2) {
         say({"responses begin after up to " + ms_text(heard.most()) + " ms of the " + allowed +
                  ": some will be late",
@@ -137,7 +140,7 @@ std::vector<remark> remarks_on(const line_account& heard, const line_terms& term
     } else if (heard.most().us > 10 * heard.median().us + 20'000) {
         say({"a response began after " + ms_text(heard.most()) + " ms, half of them within " +
                  ms_text(heard.median()) + " ms: what delayed it may delay another one beyond the " + allowed,
-             "look for it in the adapter, the gateway or this computer; or a longer --timeout"});
+             look + "a longer --timeout"});
     }
     return all;
 }

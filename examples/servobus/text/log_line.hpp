@@ -213,8 +213,8 @@ inline bool may_begin_frame(servobus::bytes from) {
     return false;
 }
 
-/// The same for a function without a known length: its CRC is right, and after it the bytes end, another frame may begin,
-/// or the line is idle.
+/// The same for a function without a known length: its CRC is right, and after it the bytes end, another frame may
+/// begin, or the line is idle.
 inline std::size_t unknown_size_at(servobus::bytes from) {
     if (from.size() < min_frame || from[1] == 0) return 0;
     if (is_whole(from, from.size())) return from.size();

@@ -58,7 +58,8 @@ std::size_t raw_count(const chosen& what);
 std::string raw_name(const chosen& what, std::size_t index);
 /// All of them: `0x2088:2`.
 std::string raw_name(const chosen& what);
-/// The value in `words` for people, `2400 (0x0960)` or `on`, and for programs: a number, `nan` for a float without a finite value.
+/// The value in `words` for people, `2400 (0x0960)` or `on`, and for programs: a number, `nan` for a float without a
+/// finite value.
 std::string raw_text(const raw_form& form, std::span<const u16> words);
 std::string raw_number(const raw_form& form, std::span<const u16> words);
 

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// An axis: converts lengths and speeds of a machine to the counts of its motor and back. Programs that move something by a
-// screw, a belt or a rack give one to the facade of its drive.
+// An axis: converts lengths and speeds of a machine to the counts of its motor and back. Programs that move something
+// by a screw, a belt or a rack give one to the facade of its drive.
 //
 //     constexpr auto slide = axis::of(lead(5.08_mm, counts_per_turn{1000}, gear_ratio{37, 10}));
 //     static_assert(slide.counts_of(5.08_mm).value() == 3700); // 3.7 turns of the motor
@@ -41,8 +41,8 @@ class axis {
     }
 
   public:
-    /// Refuses what it is asked to convert. Where an axis was refused itself, this is left, and no drive is taken over with
-    /// it, since it has no counts.
+    /// Refuses what it is asked to convert. Where an axis was refused itself, this is left, and no drive is taken over
+    /// with it, since it has no counts.
     constexpr axis() = default;
 
     /// A feed that is too fine for a scale does not compile.

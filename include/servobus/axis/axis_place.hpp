@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// The place of an axis: follows the drive's position, over its wraps too, and carries what relative moves leave when they
-// are rounded to counts. The model of a drive with an axis has one.
+// The place of an axis: follows the drive's position, over its wraps too, and carries what relative moves leave when
+// they are rounded to counts. The model of a drive with an axis has one.
 //
 //     static constexpr auto slide = axis::of(lead(5_mm, counts_per_turn{1000}));
 //     static_assert([] { axis_place p{slide}; p.follow(0x7FFF'FFFF, 1); p.follow(0x8000'0000, 1);
@@ -27,8 +27,8 @@ class axis_place {
 
     constexpr const axis& geometry() const { return *axis_; }
 
-    /// Takes a position of the drive. The first one of an epoch is a place from zero, the next ones are the nearest way from
-    /// the one before.
+    /// Takes a position of the drive. The first one of an epoch is a place from zero, the next ones are the nearest way
+    /// from the one before.
     constexpr void follow(std::uint32_t raw, std::uint16_t epoch) {
         const bool is_new = !is_known_ || epoch != epoch_;
         if (is_new) begin();

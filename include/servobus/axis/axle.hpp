@@ -53,8 +53,8 @@ class axle {
     /// Without wheels: no step of it is added, and no drive is taken over with it, since it has no counts.
     constexpr axle() = default;
 
-    /// Makes an axle and computes its ratios. A track of less than 1 mm, of 16 m and more, and ratios that are too fine do not
-    /// compile.
+    /// Makes an axle and computes its ratios. A track of less than 1 mm, of 16 m and more, and ratios that are too fine
+    /// do not compile.
     static consteval axle of(const parts& p) {
         if (!has_wheels(p)) detail::a_turn_has_1_to_2_28_counts();
         if (!has_track(p)) detail::a_track_is_at_least_1_mm_and_less_than_16_m();
@@ -66,8 +66,8 @@ class axle {
         return *checked(p);
     }
     /// The same of parts that are known at run time only. It divides.
-    /// Errors: out_of_range (a wheel of nothing, a track of less than 1 mm, or of 16 m and more, ratios that are too fine or
-    /// turn the axle by more than 0.4 rad in a count).
+    /// Errors: out_of_range (a wheel of nothing, a track of less than 1 mm, or of 16 m and more, ratios that are too
+    /// fine or turn the axle by more than 0.4 rad in a count).
     static constexpr result<axle> checked(const parts& p) {
         if (!has_wheels(p) || !has_track(p)) return errc::out_of_range;
         const turning left = turning_of(p.left, p.track);

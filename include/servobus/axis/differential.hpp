@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// A machine with two wheels on one axle: a twist as their speeds, in the drives' counts. Where a wheel would exceed its limit,
-// both slow down by one factor, so the machine keeps to its path. There is no dead band.
+// A machine with two wheels on one axle: a twist as their speeds, in the drives' counts. Where a wheel would exceed its
+// limit, both slow down by one factor, so the machine keeps to its path. There is no dead band.
 //
 //     using namespace servobus::literals;
 //     constexpr feed wheel = rolling(600_mm, counts_per_turn{16384});
@@ -80,9 +80,9 @@ class differential {
 
     constexpr const axle& base() const { return base_; }
 
-    /// The speeds of the wheels at this twist, any of 32 bits, for drives whose register of speed counts `per_r_per_min`
-    /// (1 .. 10) a r/min of the motor. No wheel exceeds `limit` (1 .. 32767 counts): limited after `speed` and `turn` are
-    /// added, by one factor for both. Error: at most 1.5 counts and half a um/s, with
+    /// The speeds of the wheels at this twist, any of 32 bits, for drives whose register of speed counts
+    /// `per_r_per_min` (1 .. 10) a r/min of the motor. No wheel exceeds `limit` (1 .. 32767 counts): limited after
+    /// `speed` and `turn` are added, by one factor for both. Error: at most 1.5 counts and half a um/s, with
     /// wheels that are at most ten times as large as each other.
     constexpr wheel_speeds wheels(const twist& t, std::uint32_t per_r_per_min, std::uint32_t limit) const {
         std::int32_t speed = t.speed.count();
@@ -127,7 +127,8 @@ class differential {
         const bool is_mirrored = wheel.direction() == count_direction::mirrored;
         return of.converted(is_mirrored ? -speed : speed, carry);
     }
-    // value * limit / most to the nearest, in 32 bits: the limit has 15. Bit by bit: a division takes 270 bytes on a small core.
+    // value * limit / most to the nearest, in 32 bits: the limit has 15. Bit by bit: a division takes 270 bytes on a
+    // small core.
     static constexpr std::int32_t limited(std::int32_t value, std::uint32_t size, std::uint32_t most,
                                           std::uint32_t limit) {
         std::uint32_t cut = limit;

@@ -1,9 +1,9 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// A feed: the travel of a wheel or a screw in a turn, the gear, and the counts of the drive, of which axes and axles are made.
-// As a constant, one with a length, gear or count of 0 does not compile. `feed::checked` makes one of numbers that are known at
-// run time only, and refuses it.
+// A feed: the travel of a wheel or a screw in a turn, the gear, and the counts of the drive, of which axes and axles
+// are made. As a constant, one with a length, gear or count of 0 does not compile. `feed::checked` makes one of numbers
+// that are known at run time only, and refuses it.
 //
 //     using namespace servobus::literals;
 //     constexpr feed wheel = rolling(652.3_mm, counts_per_turn{16384}); // measured; or diameter(207.6_mm)
@@ -44,17 +44,17 @@ struct gear_ratio {
     std::uint32_t output_turns = 1; ///< 1 .. 65535
 };
 
-/// What a motor moves by a wheel, a pulley, a pinion or a screw: the travel of a turn of it, the counts of a turn of the motor,
-/// the gear between, and the direction in which the drive counts. CiA 402 has the travel and the gear as feed constant (6092h)
-/// and gear ratio (6091h).
+/// What a motor moves by a wheel, a pulley, a pinion or a screw: the travel of a turn of it, the counts of a turn of
+/// the motor, the gear between, and the direction in which the drive counts. CiA 402 has the travel and the gear as
+/// feed constant (6092h) and gear ratio (6091h).
 class feed {
   public:
     /// Nothing: it has no counts, and no axis or axle is made of it.
     constexpr feed() = default;
 
     /// Makes it of numbers that are known at run time only, as `rolling` does of constants.
-    /// Errors: out_of_range (a travel that is not above 0 and below 4.29 m, a turn without counts or with more than 2^28,
-    /// a gear without turns or with more than 65535 on a side).
+    /// Errors: out_of_range (a travel that is not above 0 and below 4.29 m, a turn without counts or with more than
+    /// 2^28, a gear without turns or with more than 65535 on a side).
     static constexpr result<feed> checked(nanometres travel, counts_per_turn counts, gear_ratio ratio = {}) {
         if (!is_travel(travel) || !is_count(counts) || !is_gear(ratio)) return errc::out_of_range;
         return feed{static_cast<std::uint32_t>(travel.count()), counts, ratio};
@@ -134,8 +134,8 @@ constexpr result<nanometres> checked_diameter(nanometres across) {
         detail::nearest_of(static_cast<std::uint64_t>(across.count()), pi / 10, std::uint64_t{1} << 60);
     return nanometres{static_cast<std::int64_t>(10 * tens)};
 }
-/// The circumference of a wheel of this diameter, rounded to 10 nm. A loaded tyre rolls less than it: measure the travel
-/// of ten turns where millimetres a kilometre matter.
+/// The circumference of a wheel of this diameter, rounded to 10 nm. A loaded tyre rolls less than it: measure the
+/// travel of ten turns where millimetres a kilometre matter.
 consteval nanometres diameter(nanometres across) {
     const result<nanometres> around = checked_diameter(across);
     if (!around) detail::a_diameter_is_above_0_and_at_most_1_36_m();

@@ -32,18 +32,19 @@ namespace servobus {
 ///
 /// A restart of the drive is found only by such a step. A program that knows of one calls `restart`.
 ///
-/// Error of the arithmetic in a kilometre of steps of up to 0.05 rad: 20 um and 1e-9 rad, with counts of 0.4 um and more.
+/// Error of the arithmetic in a kilometre of steps of up to 0.05 rad: 20 um and 1e-9 rad, with counts of 0.4 um and
+/// more.
 class odometry {
   public:
     /// Has no axle, until another one is assigned.
     constexpr odometry() = default;
-    /// Begins at x 0, y 0, heading 0, with the first positions. `of` must outlive the odometry: a constant of the namespace
-    /// does.
+    /// Begins at x 0, y 0, heading 0, with the first positions. `of` must outlive the odometry: a constant of the
+    /// namespace does.
     constexpr explicit odometry(const axle& of) : axle_{&of} {}
     odometry(const axle&&) = delete;
 
-    /// Takes the present positions as those of the present pose, which is kept, and stays as continuous as it is. The first
-    /// time it becomes continuous.
+    /// Takes the present positions as those of the present pose, which is kept, and stays as continuous as it is. The
+    /// first time it becomes continuous.
     constexpr void start(std::uint32_t left, std::uint32_t right) {
         left_ = left;
         right_ = right;
@@ -51,15 +52,15 @@ class odometry {
         is_started_ = true;
     }
 
-    /// Does so after the positions were lost, as by a restart of the drive: the pose is not continuous. The first time it is
-    /// as `start`.
+    /// Does so after the positions were lost, as by a restart of the drive: the pose is not continuous. The first time
+    /// it is as `start`.
     constexpr void restart(std::uint32_t left, std::uint32_t right) {
         if (is_started_) pose_.is_continuous = false;
         start(left, right);
     }
 
-    /// Sets the pose, which is continuous from then on. The next step begins where, and when, the last one has ended: the
-    /// time of `to` is not used.
+    /// Sets the pose, which is continuous from then on. The next step begins where, and when, the last one has ended:
+    /// the time of `to` is not used.
     constexpr void set(const plane_pose& to) {
         const instant was = pose_.time;
         pose_ = to;
@@ -134,8 +135,8 @@ class odometry {
         const detail::unit_vector at =
             detail::unit_vector_at(static_cast<std::uint32_t>((pose_.heading_fine + half) >> 32));
         pose_.heading_fine += turned;
-        // The chord is shorter than the arc by theta^2 / 24: (2 pi)^2 / 24 is 1 + 165/256 + 3/8192, a trifle less here for the
-        // next term.
+        // The chord is shorter than the arc by theta^2 / 24: (2 pi)^2 / 24 is 1 + 165/256 + 3/8192, a trifle less here
+        // for the next term.
         const std::uint32_t square = static_cast<std::uint32_t>(theta * theta) >> 6;
         const std::uint32_t shorter = square + (square * 165 >> 8) + (square >> 12) + (square >> 13);
         way -= detail::high_product(way, static_cast<std::int32_t>(shorter));

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// A pose: where a machine stands in the plane, and which way it faces, at a time. Odometry returns it, and programs read
-// it in micrometres, millimetres and microradians.
+// A pose: where a machine stands in the plane, and which way it faces, at a time. Odometry returns it, and programs
+// read it in micrometres, millimetres and microradians.
 //
 //     using namespace servobus::literals;
 //     constexpr plane_pose dock = plane_pose::at(1.5_m, -200_mm, 250_mrad);

@@ -47,8 +47,8 @@ class scale {
         return scale{numerator / common, denominator / common};
     }
 
-    /// The ratio `numerator / denominator`, or if that is too fine one that differs from it by at most 2^-30, or 2^-32 of
-    /// itself. For speeds, which are not added up. A ratio below 2^-30 does not compile.
+    /// The ratio `numerator / denominator`, or if that is too fine one that differs from it by at most 2^-30, or 2^-32
+    /// of itself. For speeds, which are not added up. A ratio below 2^-30 does not compile.
     static consteval scale close_to(std::uint64_t numerator, std::uint64_t denominator) {
         return as_constant(numerator, denominator, checked_close_to(numerator, denominator));
     }

@@ -21,11 +21,12 @@
 
 namespace servobus {
 
-/// The plan of a line, of `controlled(..)` drives, `cyclic<..>(..)` reads, `own_requests(..)` of the program and at most
-/// one `back_off`, in any order. Each time that it returns is an upper bound, or the longest `duration` if none can
-/// hold it. It assumes that
+/// The plan of a line, of `controlled(..)` drives, `cyclic<..>(..)` reads, `own_requests(..)` of the program and at
+/// most one `back_off`, in any order. Each time that it returns is an upper bound, or the longest `duration` if none
+/// can hold it. It assumes that
 /// - the program's loop steps the bus, and each request of its own, all the time: a pause of it adds to each frame;
-/// - each request gets one response at most, right or wrong, before its time is over or within the quarantine after that;
+/// - each request gets one response at most, right or wrong, before its time is over or within the quarantine after
+///   that;
 /// - the rest of a response that is late, or that pauses for longer than `rtu_timing::longest_frame` counts, does not
 ///   keep the line busy any more.
 template <class... Entries> class poll_plan {

@@ -99,8 +99,8 @@ class client : public raw_client<Line, Device, Node> {
     requires is_bit<R>
     constexpr result<bool> read() { return other::template read_bit<R>(*this); }
 
-    /// Reads element `index` of an array of registers, coils or inputs. Errors: as `read<R>()`; `bad_argument` if there is no
-    /// such element.
+    /// Reads element `index` of an array of registers, coils or inputs. Errors: as `read<R>()`; `bad_argument` if there
+    /// is no such element.
     template <const auto& Rows>
     requires is_register_array<Rows>
     constexpr result<reading<at<Rows, 0>>> read(std::size_t index) {
@@ -143,7 +143,8 @@ class client : public raw_client<Line, Device, Node> {
         return put<R>(value);
     }
 
-    /// Writes element `index` of an array of registers or coils; the `register_value` of element 0 has the rules for all.
+    /// Writes element `index` of an array of registers or coils; the `register_value` of element 0 has the rules for
+    /// all.
     template <const auto& Rows>
     requires is_register_array<Rows>
     constexpr status write(std::size_t index, register_value<at<Rows, 0>> value) {

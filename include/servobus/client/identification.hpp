@@ -19,8 +19,8 @@
 
 namespace servobus {
 
-/// Calls `take(object)` for each object of a kind, in ascending order, as the parts come. A part without a valid response
-/// is asked for again as often as the node says; objects of the parts before it have been taken already.
+/// Calls `take(object)` for each object of a kind, in ascending order, as the parts come. A part without a valid
+/// response is asked for again as often as the node says; objects of the parts before it have been taken already.
 /// Errors: those of `client::transact` with a rule, and of `modbus::identification_parts::take`. A device whose
 /// identification does not end is left after 256 parts at most.
 template <class Client, class Take>

@@ -46,9 +46,9 @@ template <device_class Device> struct node : detail::node_order<Device> {
     }
 };
 
-/// A node that responds `within` a shorter time than its profile grants, so that on a line that it shares others wait less
-/// when it does not respond. Only for a device that was seen to: a response that comes later is dropped in the quarantine,
-/// which is 10 ms longer, and the request counts as one without a response.
+/// A node that responds `within` a shorter time than its profile grants, so that on a line that it shares others wait
+/// less when it does not respond. Only for a device that was seen to: a response that comes later is dropped in the
+/// quarantine, which is 10 ms longer, and the request counts as one without a response.
 template <device_class Device>
 constexpr node<Device> prompt(node<Device> at, duration within = milliseconds(30)) {
     at.limits.response = within;

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// `transact` with a rule, for responses whose length no request tells: identification, server ID, functions of a device's
-// own. The line has `modbus::open_lengths`. Programs include it that send such requests.
+// `transact` with a rule, for responses whose length no request tells: identification, server ID, functions of a
+// device's own. The line has `modbus::open_lengths`. Programs include it that send such requests.
 //
 //     line<my_uart, counters, unechoed, modbus::open_lengths> wire{uart, modbus::timing_at(19200)};
 //     client io{wire, node<tank::device>{9}};

@@ -148,8 +148,8 @@ class raw_client : protected detail::node_link<Line, Device, Node> {
 
     /// Sends any PDU, whose response is as long as `rule` says (client/open_responses.hpp) where the function does not.
     /// Never retried. Returns the response's PDU, which lies in `response_pdu`.
-    /// Errors: as of the other `transact`; `too_long` if `response_pdu` has too little room; `bad_argument` for a rule that
-    /// is none.
+    /// Errors: as of the other `transact`; `too_long` if `response_pdu` has too little room; `bad_argument` for a rule
+    /// that is none.
     template <class Rule>
     constexpr result<bytes> transact(bytes pdu, byte_buffer response_pdu, const Rule& rule) {
         return detail::open_responses<raw_client>::transact(*this, pdu, response_pdu, rule);
@@ -300,8 +300,8 @@ class raw_client : protected detail::node_link<Line, Device, Node> {
     }
 
   protected:
-    // The reads before a write, or after it. Neither a response nor an exception is an echo, whatever the value. The error
-    // is that of the write, sent or not, so that a small core returns one byte.
+    // The reads before a write, or after it. Neither a response nor an exception is an echo, whatever the value. The
+    // error is that of the write, sent or not, so that a small core returns one byte.
     template <bool IsFirst, modbus::function Code = modbus::function::read_holding_registers>
     [[gnu::cold, gnu::noinline]] constexpr errc ask(u16 address) {
         request_machine call = IsFirst ? request_machine::write(true) : request_machine::check();

@@ -83,8 +83,8 @@ class request_machine {
         return false;
     }
 
-    /// A look has ended with `why`; `has_received`: anything came. True if the look is to be repeated, which is done once:
-    /// the bytes may be a damaged response. A response, a timeout without a byte and a failed port end it.
+    /// A look has ended with `why`; `has_received`: anything came. True if the look is to be repeated, which is done
+    /// once: the bytes may be a damaged response. A response, a timeout without a byte and a failed port end it.
     constexpr bool looks_again(const status& why, bool has_received) {
         const bool repeats = is_garbled(why, has_received) && attempts_++ == 0;
         if (!repeats) stage_ = stage::ended;

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Finds the fastest baud rate and the frame format that several devices can have on one line, and what each of them needs
-// to get there from its factory settings. Programs with devices of different makers on a line include it.
+// Finds the fastest baud rate and the frame format that several devices can have on one line, and what each of them
+// needs to get there from its factory settings. Programs with devices of different makers on a line include it.
 //
 //     constexpr auto shared = settings_on_one_line(node<zlac8015d::device>{1}, node<yako::closed_loop::device>{2});
 //     static_assert(shared.baud == 115200 && shared.format == character_format::n81 && !shared.changes[0]);
@@ -31,9 +31,10 @@ struct line_write {
     constexpr explicit operator bool() const { return is_needed; }
 };
 
-/// What brings a device from its factory settings to those of the line. It is true if anything must be written. Write it
-/// while the device is alone on the line, or shares its old settings with all others. Of a device that changes immediately
-/// write rate and format in one frame, as `c630s::change_line` does: after the first of two it is somewhere else.
+/// What brings a device from its factory settings to those of the line. It is true if anything must be written. Write
+/// it while the device is alone on the line, or shares its old settings with all others. Of a device that changes
+/// immediately write rate and format in one frame, as `c630s::change_line` does: after the first of two it is somewhere
+/// else.
 struct line_change {
     line_write rate;
     line_write format;
@@ -132,8 +133,8 @@ constexpr found_format format_of_all(const device_on_line* all, std::size_t coun
 /// Faster than any UART: no limit.
 inline constexpr std::uint32_t any_rate = 0xFFFF'FFFF;
 
-/// The settings that all devices of a list can have, at most `most` bits a second, for a program that learns at run time
-/// which devices are there. Errors: `bad_argument` if they have no rate or no format in common.
+/// The settings that all devices of a list can have, at most `most` bits a second, for a program that learns at run
+/// time which devices are there. Errors: `bad_argument` if they have no rate or no format in common.
 template <std::size_t N>
 constexpr result<shared_uart_settings<N>> find_settings_on_one_line(const device_on_line (&all)[N],
                                                                     std::uint32_t most = any_rate) {
@@ -156,8 +157,8 @@ constexpr result<shared_uart_settings<N>> find_settings_on_one_line(const device
 template <device_class Device> constexpr device_on_line on_line() { return detail::as_on_line<Device>(); }
 
 /// The fastest rate, at most `Most` bits a second, and the format that all these nodes or devices can have. Of several
-/// formats it is the one that the fewest devices must be set to. What a device can have is known by its type, so devices
-/// that share no settings do not compile.
+/// formats it is the one that the fewest devices must be set to. What a device can have is known by its type, so
+/// devices that share no settings do not compile.
 template <std::uint32_t Most = any_rate, class... Nodes>
 constexpr shared_uart_settings<sizeof...(Nodes)> settings_on_one_line(const Nodes&...) {
     static_assert(sizeof...(Nodes) != 0, "a line has devices");

@@ -150,8 +150,8 @@ requires(sizeof...(Rs) > 1 && !(is_bit<Rs> || ...)) class stepped_put<Client, We
 } // namespace detail
 
 /// A stepped `Client::write<Rs...>(values...)`: of one register, of an element of an array of registers, of adjacent
-/// registers, of one coil, or of adjacent coils. The client must outlive it; an object that is destroyed gives its write up: see
-/// `cancel`.
+/// registers, of one coil, or of adjacent coils. The client must outlive it; an object that is destroyed gives its
+/// write up: see `cancel`.
 template <class Client, const auto&... Rs>
 class stepped_write : public detail::stepped_put<Client, false, Rs...> {
     using detail::stepped_put<Client, false, Rs...>::stepped_put;

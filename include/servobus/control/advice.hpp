@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Advice tells a person at the machine what to do about a fault. The advice for each drive is in a header of its own, such as
-// device/c630s/advice.hpp. No other header includes these, so a program that does not include one has none of
+// Advice tells a person at the machine what to do about a fault. The advice for each drive is in a header of its own,
+// such as device/c630s/advice.hpp. No other header includes these, so a program that does not include one has none of
 // its text.
 //
 //     constexpr advice jam{"The belt is jammed.", "Remove the carton.", not_in_manual};

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// A prepared command of a drive that moves an axis: the drive's own, and what a relative move of the axis leaves when its
-// length is rounded to counts. The model of such a drive has it as its `prepared_command`.
+// A prepared command of a drive that moves an axis: the drive's own, and what a relative move of the axis leaves when
+// its length is rounded to counts. The model of such a drive has it as its `prepared_command`.
 //
 //     using command = axis_command<yako::prepared_command>;
 //     constexpr command stop = yako::plan(halt{}, {}); // every command of the drive is one

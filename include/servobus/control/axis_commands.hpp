@@ -17,8 +17,8 @@
 
 namespace servobus {
 
-/// How a place is reached. Made without anything it is the profile that the drive holds; otherwise top speed and both ramps
-/// are above 0, and the start is not above the top: `bad_argument`.
+/// How a place is reached. Made without anything it is the profile that the drive holds; otherwise top speed and both
+/// ramps are above 0, and the start is not above the top: `bad_argument`.
 struct axis_profile {
     micrometres_per_second top{}; ///< above 0, to the nearest count of the drive's speed
     quantity<unit{measure::millisecond}> acceleration{}; ///< from standstill to `top`
@@ -42,8 +42,8 @@ struct travel_to {
     axis_profile by{};
 };
 
-/// Moves by a way; its sign is the direction. What rounding to counts leaves goes into the next one: a thousand moves do
-/// not drift. It is carried once the move has begun, and forgotten where the position is counted from elsewhere.
+/// Moves by a way; its sign is the direction. What rounding to counts leaves goes into the next one: a thousand moves
+/// do not drift. It is carried once the move has begun, and forgotten where the position is counted from elsewhere.
 struct travel_by {
     micrometres way;
     axis_profile by{};
@@ -54,14 +54,15 @@ struct travel_at {
     micrometres_per_second speed;
 };
 
-/// Moves at a speed while the program repeats it, as the drive's own `hold`; `halt` ends it. `every`: the longest time from
-/// one command to the next.
+/// Moves at a speed while the program repeats it, as the drive's own `hold`; `halt` ends it. `every`: the longest time
+/// from one command to the next.
 struct hold_at {
     micrometres_per_second speed;
     duration every;
 };
 
-/// Limits the travel by software. From the factory a YAKO frees its motor beyond a limit: `yako::set_over_travel_stop`. Errors: `bad_argument` if `lowest` is not below `highest`.
+/// Limits the travel by software. From the factory a YAKO frees its motor beyond a limit: `yako::set_over_travel_stop`.
+/// Errors: `bad_argument` if `lowest` is not below `highest`.
 struct travel_limits {
     micrometres lowest;
     micrometres highest;

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Adds an axis to the facade of a drive: the commands of control/axis_commands.hpp, and the drive's feedback in lengths and
-// speeds of the machine. The `axis_drive` of each device derives from it.
+// Adds an axis to the facade of a drive: the commands of control/axis_commands.hpp, and the drive's feedback in lengths
+// and speeds of the machine. The `axis_drive` of each device derives from it.
 //
 //     template <class Drive> bool is_above(const axis_facade<Drive>& lift, micrometres place) {
 //         const result<micrometres> there = lift.position(milliseconds(100));
@@ -76,8 +76,8 @@ template <class Drive> class axis_facade : public Drive {
     }
     constexpr axis_arrival arrival(const wait_reached&) const { return arrival(); }
 
-    /// Where the axis is, by feedback that is at most `oldest` old. It goes on where the drive's own position wraps, and is
-    /// counted from elsewhere after `init`, a restart, a homing, `declare_place`. Errors: as `feedback`.
+    /// Where the axis is, by feedback that is at most `oldest` old. It goes on where the drive's own position wraps,
+    /// and is counted from elsewhere after `init`, a restart, a homing, `declare_place`. Errors: as `feedback`.
     constexpr result<micrometres> position(duration oldest) const {
         const auto seen = Drive::feedback(oldest);
         if (!seen) return seen.error();

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// The kind of each effect that a drive's commands have: a table that the compiler checks to be complete. The author of a
-// drive gives it as `kinds` of the model; control/facade.hpp reads it.
+// The kind of each effect that a drive's commands have: a table that the compiler checks to be complete. The author of
+// a drive gives it as `kinds` of the model; control/facade.hpp reads it.
 //
 //     enum class effect : std::uint8_t { none, initialised, enabled, disabled, end };
 //     constexpr auto kinds = command_kinds<effect>{}
@@ -42,8 +42,8 @@ template <class Effect> class command_kinds {
         if (kind == command_kind::take_over) (all.mark(those, new_origin), ...);
         return all;
     }
-    /// States the effects after which positions are counted from elsewhere: a homing, a position that is cleared. None is
-    /// stated too: `with_new_origin()`.
+    /// States the effects after which positions are counted from elsewhere: a homing, a position that is cleared. None
+    /// is stated too: `with_new_origin()`.
     template <class... Effects> consteval command_kinds with_new_origin(Effects... those) const {
         command_kinds all = *this;
         all.are_origins_stated_ = true;

@@ -40,8 +40,8 @@ template <class Command> consteval type_name name_of_type() {
 template <class Command> inline constexpr type_name name_of = name_of_type<Command>();
 } // namespace detail
 
-/// The name of a command's class without its namespace, at most 47 letters: "move_by". An alias has the name of its class
-/// template, `yako::closed_loop::home` "basic_home".
+/// The name of a command's class without its namespace, at most 47 letters: "move_by". An alias has the name of its
+/// class template, `yako::closed_loop::home` "basic_home".
 template <class Command> inline constexpr const char* command_text = detail::name_of<Command>.letters;
 
 /// The work of a step in words. Its register is `routine_status::register_address()` of a command that ended there.

@@ -15,8 +15,8 @@
 
 namespace servobus {
 
-/// Takes a drive over, whatever a program before this one did: stops it, waits until it is at standstill, reads what must
-/// be known. Nothing moves. A stepper that is energised already, as after its power was switched on, stays so.
+/// Takes a drive over, whatever a program before this one did: stops it, waits until it is at standstill, reads what
+/// must be known. Nothing moves. A stepper that is energised already, as after its power was switched on, stays so.
 struct init {};
 
 /// Energises the motor; only at standstill and without a fault. Nothing moves by itself. A drive with several modes of
@@ -26,8 +26,8 @@ struct enable {};
 /// Stops, waits until the motor is at standstill, and switches its power off. The shaft may be free then.
 struct disable {};
 
-/// Stops by the ramp of the present motion; the motor stays energised. Errors: `wrong_state` in a mode in which the drive
-/// has no such stop.
+/// Stops by the ramp of the present motion; the motor stays energised. Errors: `wrong_state` in a mode in which the
+/// drive has no such stop.
 struct halt {};
 
 /// Stops as fast as the drive can.
@@ -44,8 +44,8 @@ struct wait_standstill {
 };
 
 /// Waits until the last move has ended at its target. Errors: `stopped_short` if the motor is at rest elsewhere
-/// (`arrival()` of the drive says where and why); `not_reached` after `limit`; `faulted`; `wrong_state` if no move with a
-/// known target was commanded since `init`.
+/// (`arrival()` of the drive says where and why); `not_reached` after `limit`; `faulted`; `wrong_state` if no move with
+/// a known target was commanded since `init`.
 struct wait_reached {
     duration limit = milliseconds(60'000);
 };

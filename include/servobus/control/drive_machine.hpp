@@ -24,8 +24,9 @@
 
 namespace servobus {
 
-/// The machine of a drive that `Model` describes (device/README.md). `Exchange` is its line's. A `Line` gives the epoch of
-/// a node, the node that was changed last, and the timing, gives an exchange up (`abandon`) and keeps itself free (`announce_stop`).
+/// The machine of a drive that `Model` describes (device/README.md). `Exchange` is its line's. A `Line` gives the epoch
+/// of a node, the node that was changed last, and the timing, gives an exchange up (`abandon`) and keeps itself free
+/// (`announce_stop`).
 template <class Model, class Exchange> class drive_machine : public detail::command_life<Model, Exchange> {
     using base = detail::command_life<Model, Exchange>;
     using base::exchange_, base::frame_, base::known_, base::slot_;
@@ -73,8 +74,8 @@ template <class Model, class Exchange> class drive_machine : public detail::comm
         fill(now, on);
         exchange_.set_ticket(ticket); // it keeps its place in the queue
     }
-    /// Concludes from an exchange that is done. `began`: when its first byte left. `is_echo_possible`: the response may be
-    /// the request's echo.
+    /// Concludes from an exchange that is done. `began`: when its first byte left. `is_echo_possible`: the response may
+    /// be the request's echo.
     constexpr void conclude(instant now, instant began, bool is_echo_possible) {
         const status got = exchange_.status();
         const flight was = frame_.end();
@@ -192,8 +193,8 @@ template <class Model, class Exchange> class drive_machine : public detail::comm
     }
     // Positions may be counted from elsewhere after the next refresh too.
     constexpr bool is_origin_open() const { return slot_.is_setting_origin() || slot_.is_stopping(); }
-    // During a take-over nothing raises a suspicion: positions count from a new origin, and an image is not judged while
-    // settings change.
+    // During a take-over nothing raises a suspicion: positions count from a new origin, and an image is not judged
+    // while settings change.
     constexpr bool may_ask_witness() const {
         if constexpr (polls::has_watchdog) // its witness takes little code
             return known_.is_known() && known_.witness(slot_.command()).look != nullptr;

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// What a facade tells of its drive: its state, how its last command ended, and, to the drive's own facade, its feedback.
-// control/facade.hpp includes it.
+// What a facade tells of its drive: its state, how its last command ended, and, to the drive's own facade, its
+// feedback. control/facade.hpp includes it.
 //
 //     template <class Model, class Line> bool may_enable(const drive_view<Model, Line>& seen) {
 //         return seen.is_idle() && seen.state() == drive_state::disabled;

@@ -54,8 +54,9 @@ template <class Model, class Line> class facade : public drive_view<Model, Line>
     /// Starts a command; `step` moves it on. A stop replaces a command of lower priority and is sent right
     /// after the frame in flight. Errors: the command's own; `busy` if another command is under way;
     /// `needs_init`; `faulted`; `bad_argument` for a node address that the device cannot have, a feedback period
-    /// that is shorter than its frame and response, a drive that its bus refuses, a command that only the command timeout
-    /// ends (`needs_command_timeout`) where there is none, or a plan with neither steps nor a refusal. Nothing is sent then.
+    /// that is shorter than its frame and response, a drive that its bus refuses, a command that only the command
+    /// timeout ends (`needs_command_timeout`) where there is none, or a plan with neither steps nor a refusal. Nothing
+    /// is sent then.
     template <class Wanted> [[nodiscard]] constexpr errc begin(const Wanted& wanted) {
         prepared_command next = planned(wanted);
         const errc refusal = accept(next);

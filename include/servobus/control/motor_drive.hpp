@@ -38,7 +38,8 @@ template <class Drive, class... Commands>
 concept carries_out_all = (carries_out<Drive, Commands> && ...);
 } // namespace detail
 
-/// A drive that is taken over, enabled, stopped, reset, waited for and read by the common commands, blocking or stepped.
+/// A drive that is taken over, enabled, stopped, reset, waited for and read by the common commands, blocking or
+/// stepped.
 template <class Drive>
 concept motor_drive = detail::carries_out_all<Drive, init, enable, disable, halt, quick_stop, fault_reset,
                                               wait_standstill, wait_reached, read_feedback> &&

@@ -47,9 +47,9 @@ template <class Model, class Command> consteval bool is_moving_command() {
 }
 } // namespace detail
 
-/// True for `enable`, for the commands for which the drive's namespace declares `moves_or_energises(const Command*)`, and
-/// for those whose plan has the kind of a motion by `Model::kinds`. A drive whose plan of a command shows less declares
-/// it, as one with an `enable` of its own does; `neither_moves_nor_energises` for one whose plan shows more.
+/// True for `enable`, for the commands for which the drive's namespace declares `moves_or_energises(const Command*)`,
+/// and for those whose plan has the kind of a motion by `Model::kinds`. A drive whose plan of a command shows less
+/// declares it, as one with an `enable` of its own does; `neither_moves_nor_energises` for one whose plan shows more.
 template <class Model, class Command>
 inline constexpr bool may_move = detail::is_moving_command<Model, Command>();
 

@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: BSL-1.0
 //
 // The loop of a program around one drive: takes the drive over, again after each loss, begins the latest setpoint every
-// period, and reports each end once. It resets faults and energises only after a consent that the program gives each time.
-// Programs that step a facade include it.
+// period, and reports each end once. It resets faults and energises only after a consent that the program gives each
+// time. Programs that step a facade include it.
 //
 //     setpoint_loop loop{wheels, take_over{}, enable{}, setpoints<zlac8015d::velocity>{}};
 //     loop.enable();                              // a consent: the operator has pressed the button
@@ -48,12 +48,13 @@ struct no_setpoints {
 ///
 ///     setpoint_loop loop{wheels, take_over{zlac8015d::resolution{10}}, enable{}, setpoints<zlac8015d::velocity>{}};
 ///
-/// **Motion never begins by itself.** It is allowed from an `enable()` of the program on, once the drive is enabled by it,
-/// until a stop through the loop, a fault, a wired stop or limit switch, a setpoint that was not carried out, or a loss: a
-/// restart, a lost port, an outcome that is not known. After each of them another `enable()` must follow. (A YAKO's wired
-/// stop shows by a setpoint that is not carried out only: one that ends before the next setpoint is not seen.) A setpoint that was given before `enable()` is
-/// never begun. A setpoint that has become old is not begun again, so that the drive's command timeout stops it; the next
-/// one that the program gives moves the drive again. Like every facade it is not a safety function.
+/// **Motion never begins by itself.** It is allowed from an `enable()` of the program on, once the drive is enabled by
+/// it, until a stop through the loop, a fault, a wired stop or limit switch, a setpoint that was not carried out, or a
+/// loss: a restart, a lost port, an outcome that is not known. After each of them another `enable()` must follow. (A
+/// YAKO's wired stop shows by a setpoint that is not carried out only: one that ends before the next setpoint is not
+/// seen.) A setpoint that was given before `enable()` is never begun. A setpoint that has become old is not begun
+/// again, so that the drive's command timeout stops it; the next one that the program gives moves the drive again. Like
+/// every facade it is not a safety function.
 ///
 /// The list of the take-over runs again after each loss and, until it succeeds, once in `retry`: put no `save{}` in it,
 /// which would wear the drive's EEPROM. Each attempt without a response doubles that time, up to 10 s.
@@ -87,14 +88,15 @@ class setpoint_loop {
 
     // --- What the program wants
 
-    /// Consents once to energise the drive and to move it then. It waits for a take-over that is under way. A loss, a fault,
-    /// a stop, or a take-over that fails withdraws it. Without effect while motion is allowed already.
+    /// Consents once to energise the drive and to move it then. It waits for a take-over that is under way. A loss, a
+    /// fault, a stop, or a take-over that fails withdraws it. Without effect while motion is allowed already.
     constexpr void enable() {
         if (may_move_) return;
         may_enable_ = true;
         is_set_ = false;
     }
-    /// Consents once to a fault reset. False, and without effect, if the drive has no fault. It stays disabled after it.
+    /// Consents once to a fault reset. False, and without effect, if the drive has no fault. It stays disabled after
+    /// it.
     constexpr bool reset_faults() {
         may_reset_ = drive_->state() == drive_state::faulted;
         return may_reset_;
@@ -128,9 +130,9 @@ class setpoint_loop {
 
     // --- What the program is told
 
-    /// The last end that was not taken yet; one that is not taken is replaced by the next. Setpoints that succeed are not
-    /// reported. Where the drive itself has ended the permission to move, that is reported, or that what was under way has
-    /// failed. A failure that is repeated is reported once, until it succeeds or something else has ended.
+    /// The last end that was not taken yet; one that is not taken is replaced by the next. Setpoints that succeed are
+    /// not reported. Where the drive itself has ended the permission to move, that is reported, or that what was under
+    /// way has failed. A failure that is repeated is reported once, until it succeeds or something else has ended.
     constexpr loop_report take_report() { return reports_.take(); }
     constexpr bool is_taken_over() const { return is_taken_over_; }
     /// True while setpoints are begun, and moves can be.

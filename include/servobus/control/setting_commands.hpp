@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// The commands that set one parameter of a drive by its row. Each drive has a rule for each row: whether a command may set
-// it, and in which states of the drive. The header of a device includes it, and has them in the device's namespace.
+// The commands that set one parameter of a drive by its row. Each drive has a rule for each row: whether a command may
+// set it, and in which states of the drive. The header of a device includes it, and has them in the device's namespace.
 //
 //     if (!wheels.run(zlac8015d::set<zlac8015d::left_max_current>{12 * ampere})) return 1; // read back
 //     if (!wheels.run(zlac8015d::save{})) return 1;                                       // kept, with all others

@@ -307,8 +307,9 @@ consteval step element(step s) {
     return s;
 }
 
-/// The same step, repeated if it gets no response: for stops only, which are safe to repeat. Of a register that may also
-/// start something (flag `trigger` or `motion`) only its `stop_words` are taken; a row without a flag is not checked.
+/// The same step, repeated if it gets no response: for stops only, which are safe to repeat. Of a register that may
+/// also start something (flag `trigger` or `motion`) only its `stop_words` are taken; a row without a flag is not
+/// checked.
 consteval step repeatable(step s) {
     if (s.what != step::kind::write || s.slot < step::pair) detail::a_repeatable_step_writes_a_constant();
     if (s.mask == step::no_stop) detail::a_repeatable_step_stops_the_drive_see_stop_words();

@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: BSL-1.0
 //
 // The words of a register that stop the motor: a frame with one of them may be sent again. The author of a drive names
-// them for each register that may also start something (flag `trigger` or `motion`), by a specialisation of `stop_words`
-// before the routines, as examples/own_device/own_drive.hpp does. control/steps.hpp includes it.
+// them for each register that may also start something (flag `trigger` or `motion`), by a specialisation of
+// `stop_words` before the routines, as examples/own_device/own_drive.hpp does. control/steps.hpp includes it.
 //
 //     static_assert(stop_words<zlac8015d::control_word>.contains(0x0007));  // stop
 //     static_assert(!stop_words<zlac8015d::control_word>.contains(0x0008)); // enable

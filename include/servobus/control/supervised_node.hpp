@@ -1,10 +1,11 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// A plan states the limits, gaps and supervision of each drive that it controls. The plan's bus gives them to the drive's
-// machine; programs do not include this.
+// A plan states the limits, gaps and supervision of each drive that it controls. The plan's bus gives them to the
+// drive's machine; programs do not include this.
 //
-//     constexpr supervised_node wheels{.address = 1, .by = {.feedback = milliseconds(20), .command_timeout = milliseconds(300)}};
+//     constexpr supervised_node wheels{.address = 1,
+//                                      .by = {.feedback = milliseconds(20), .command_timeout = milliseconds(300)}};
 #pragma once
 
 #include <cstdint>

@@ -1,8 +1,9 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Takes a drive over and sets it up by one command: init, settings, a first reading of the feedback. Programs include it
-// together with the header of their device; a facade's `run` and that of a bus run it, and a `setpoint_loop` steps it.
+// Takes a drive over and sets it up by one command: init, settings, a first reading of the feedback. Programs include
+// it together with the header of their device; a facade's `run` and that of a bus run it, and a `setpoint_loop` steps
+// it.
 //
 //     const auto ready = wheels.run(take_over{zlac8015d::resolution{10}, zlac8015d::watchdog{500 * millisecond}});
 //     if (!ready) std::printf("%s %u: %s\n", text(ready.part()), ready.setting(), text(ready.error()));
@@ -19,8 +20,8 @@
 
 namespace servobus {
 
-/// Named first in a `take_over`: a drive with a fault is reset before the settings. Whether a stepper is energised after
-/// that is the drive's, as after `fault_reset`.
+/// Named first in a `take_over`: a drive with a fault is reset before the settings. Whether a stepper is energised
+/// after that is the drive's, as after `fault_reset`.
 struct with_fault_reset {};
 
 namespace detail {
@@ -33,13 +34,13 @@ template <class Drive, class Setting> constexpr void check_setting() {
 }
 } // namespace detail
 
-/// Takes a drive over: `init`, the settings in their order, then a reading of the feedback. It ends at the first part that
-/// fails. The settings are any commands but those that energise a motor or move it, which do not compile; `disable{}`
-/// before settings that need a drive without power, for example. A drive that `init` leaves energised, as some steppers
-/// are after power-on, stays so unless `disable{}` is in the list.
+/// Takes a drive over: `init`, the settings in their order, then a reading of the feedback. It ends at the first part
+/// that fails. The settings are any commands but those that energise a motor or move it, which do not compile;
+/// `disable{}` before settings that need a drive without power, for example. A drive that `init` leaves energised, as
+/// some steppers are after power-on, stays so unless `disable{}` is in the list.
 ///
-/// With `with_fault_reset{}` as the first one the feedback is read after `init`, and a fault is reset. Without it a drive
-/// with a fault is taken over too: `state()` is `faulted` then, and a setting may be refused for it.
+/// With `with_fault_reset{}` as the first one the feedback is read after `init`, and a fault is reset. Without it a
+/// drive with a fault is taken over too: `state()` is `faulted` then, and a setting may be refused for it.
 ///
 /// Errors: those of the parts, and, as `take_over_status::part` says,
 /// - `power_cycle`, `wrong_state`: the drive must be switched off and on; then take it over again, which goes on

@@ -21,8 +21,8 @@
 
 namespace servobus {
 
-/// A set of states of a drive. A function `planned_states(settings)` in the `arguments.hpp` of a device returns those that
-/// its settings may have; without one they are `needs_init`, `disabled` and `enabled`.
+/// A set of states of a drive. A function `planned_states(settings)` in the `arguments.hpp` of a device returns those
+/// that its settings may have; without one they are `needs_init`, `disabled` and `enabled`.
 class drive_states {
   public:
     constexpr drive_states() = default;
@@ -251,10 +251,11 @@ constexpr refusal refusal_of(const Command& wanted, const Settings& known) {
 } // namespace commands
 
 /// Returns why `drive` has refused `wanted`; call it before another call of the drive. The error is `ok` if the plan of
-/// the command has no objection: the drive has refused it, or the facade for a reason of its own, such as another command
-/// under way (`busy`), the stop for a fault (`faulted`), a wait without a move, or a node address or feedback period that
-/// cannot be, or a hold without a command timeout (`bad_argument`).
-/// A command in the machine's units has no list of its arguments: lengths and speeds are its own, registers its drive's.
+/// the command has no objection: the drive has refused it, or the facade for a reason of its own, such as another
+/// command under way (`busy`), the stop for a fault (`faulted`), a wait without a move, or a node address or feedback
+/// period that cannot be, or a hold without a command timeout (`bad_argument`).
+/// A command in the machine's units has no list of its arguments: lengths and speeds are its own, registers its
+/// drive's.
 template <class Drive, class Command> constexpr refusal why(const Drive& drive, const Command& wanted) {
     refusal r = commands::refusal_of(detail::made_complete(drive, wanted), drive.cached());
     if (drive.state() == drive_state::faulted && r.error == errc::wrong_state) r.error = errc::faulted;

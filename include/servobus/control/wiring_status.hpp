@@ -26,8 +26,8 @@ class [[nodiscard]] wiring_status {
     constexpr errc error() const { return how_.error(); }
     constexpr servobus::outcome outcome() const { return how_.outcome(); }
     constexpr routine_status status() const { return how_; }
-    /// The address of the register of the terminal at which it ended: the one that has the function already, or that was
-    /// to get it. 0: at none.
+    /// The address of the register of the terminal at which it ended: the one that has the function already, or that
+    /// was to get it. 0: at none.
     constexpr std::uint16_t terminal() const { return terminal_; }
 
   private:

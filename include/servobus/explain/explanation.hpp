@@ -23,8 +23,8 @@ struct explanation {
     /// the error, see `explain`.
     status why{};
     /// Why the frame is not a response to the given request: `wrong_node`, `wrong_function`,
-    /// `wrong_byte_count`, `wrong_address`, `wrong_value` or `wrong_quantity`; for functions beyond registers any error of
-    /// `modbus::check_response`. `ok` if it is one, or if no request was given.
+    /// `wrong_byte_count`, `wrong_address`, `wrong_value` or `wrong_quantity`; for functions beyond registers any error
+    /// of `modbus::check_response`. `ok` if it is one, or if no request was given.
     errc mismatch = errc::ok;
     /// The direction found. `unknown` if the frame is not well-formed, or if it was parsed as both directions
     /// and is the same in both: a write of one register equals its response. A frame whose content is not known

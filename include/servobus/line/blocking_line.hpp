@@ -438,8 +438,8 @@ class blocking_line : modbus::gathering<std::uint8_t, Lengths> {
             if (gathering::is_whole() && !gathering::may_be_echo()) break;
         }
     }
-    // Takes the bytes that have arrived, and none after the response: a garbled one may follow, as a driver is switched.
-    // False if the port failed.
+    // Takes the bytes that have arrived, and none after the response: a garbled one may follow, as a driver is
+    // switched. False if the port failed.
     [[gnu::always_inline]] constexpr bool take_burst() {
         int next = 0;
         while (!gathering::is_whole() && (next = take()) >= 0) {

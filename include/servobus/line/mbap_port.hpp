@@ -49,8 +49,8 @@ template <port Stream> class mbap_port {
     }
     /// True if the port was lost since what came is no MBAP frame: the peer may carry RTU frames as they are.
     bool is_foreign() const { return is_foreign_; }
-    /// The unit of frames to `modbus::peer_address` (client/peer_node.hpp): 255, which the guide recommends, or 0, which
-    /// some devices demand. On Modbus TCP both are the device at the other end, and not all nodes behind it.
+    /// The unit of frames to `modbus::peer_address` (client/peer_node.hpp): 255, which the guide recommends, or 0,
+    /// which some devices demand. On Modbus TCP both are the device at the other end, and not all nodes behind it.
     void set_peer_unit(std::uint8_t unit) { peer_unit_ = unit; }
     Stream& stream() { return stream_; }
     const Stream& stream() const { return stream_; }

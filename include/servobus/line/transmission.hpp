@@ -68,8 +68,8 @@ class transmission {
     }
     /// `count` of them were discarded.
     constexpr void note_discarded(std::size_t count) { unechoed_ -= static_cast<std::int32_t>(count); }
-    /// Before `finish`: the adapter echoes if all of these bytes have come back before a response can have come. If they
-    /// have not, and it is asked after that, it stays as it was.
+    /// Before `finish`: the adapter echoes if all of these bytes have come back before a response can have come. If
+    /// they have not, and it is asked after that, it stays as it was.
     constexpr void decide_echo(instant at) {
         if (unechoed_ <= 0 || !may_be_answered(at)) has_echoed_ = unechoed_ <= 0;
     }

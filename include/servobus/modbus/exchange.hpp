@@ -77,8 +77,8 @@ class basic_exchange : gathering<std::uint16_t, Lengths> {
 
     /// An exchange that sends `request`, a whole frame, and stores the response in `response`, which may be
     /// the same memory as the request. The length of the response follows from the request for functions 03, 04, 06 and
-    /// 10h; for any other it is `response.size()`, at most 256 (`expected_response` tells it). What the request fixes is
-    /// checked for all (`modbus::like`). An exception needs 5 bytes; a response of 4 is stated by
+    /// 10h; for any other it is `response.size()`, at most 256 (`expected_response` tells it). What the request fixes
+    /// is checked for all (`modbus::like`). An exception needs 5 bytes; a response of 4 is stated by
     /// `expect_function_alone`.
     /// Errors (immediately, in state `done`): `bad_argument` if the request is not a frame, has a function
     /// code outside 01..7Fh, is a broadcast read, goes to a reserved address or needs a larger `response`.
@@ -106,8 +106,8 @@ class basic_exchange : gathering<std::uint16_t, Lengths> {
         }
     }
 
-    /// One whose response is as long as `rule` says, at most as `response`, where the request itself does not say it. An
-    /// exchange of a line with `open_lengths`. Errors: `bad_argument` also for a broadcast and a rule that is none.
+    /// One whose response is as long as `rule` says, at most as `response`, where the request itself does not say it.
+    /// An exchange of a line with `open_lengths`. Errors: `bad_argument` also for a broadcast and a rule that is none.
     template <class Rule>
     constexpr basic_exchange(bytes request, byte_buffer response, const Rule& rule, const rtu_timing& timing,
                              const response_limits& limits, servobus::priority of) requires(Lengths::are_open)

@@ -86,10 +86,10 @@ template <class Size, class Lengths = fixed_lengths> class gathering {
     /// whether this is its echo.
     constexpr bool may_be_echo() const { return same_ > length_; }
 
-    /// What the bytes are. `like`: the function whose response is of the same kind (`modbus::like`). `cut`: the error of
-    /// a response that ended too early. `has_more`: another byte came after the whole one. A wrong value of a 05, 06 or
-    /// 16h is reported as `wrong_quantity`, its place in a 10h. Tells `owner` what else follows: `rule_out_echo()`, `end_cleanly()` where no byte came after the response,
-    /// `note_exception(number)`.
+    /// What the bytes are. `like`: the function whose response is of the same kind (`modbus::like`). `cut`: the error
+    /// of a response that ended too early. `has_more`: another byte came after the whole one. A wrong value of a 05, 06
+    /// or 16h is reported as `wrong_quantity`, its place in a 10h. Tells `owner` what else follows: `rule_out_echo()`,
+    /// `end_cleanly()` where no byte came after the response, `note_exception(number)`.
     template <crc_engine Crc, bool HasOtherFunctions, class Limits, class Owner>
     [[gnu::always_inline]] constexpr errc judged(std::uint8_t like, errc cut,
                                                  [[maybe_unused]] const Limits& limits, bool has_more,

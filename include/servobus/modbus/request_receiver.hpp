@@ -6,9 +6,7 @@
 //
 //     struct mute : modbus::request_receiver<mute> { // it executes nothing, and says so
 //         using request_receiver::request_receiver;
-//         constexpr std::size_t execute(bytes frame, byte_buffer pdu) {
-//             return modbus::put_exception(pdu, frame[1], 1);
-//         }
+//         constexpr std::size_t execute(bytes f, byte_buffer pdu) { return modbus::put_exception(pdu, f[1], 1); }
 //         constexpr bool is_executed(std::uint8_t) const { return false; }
 //     };
 #pragma once

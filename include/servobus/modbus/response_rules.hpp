@@ -22,8 +22,8 @@ namespace servobus::modbus {
 
 inline constexpr std::uint8_t like_none = 0xFF; ///< only the function of the response is known
 
-/// The function whose response is judged alike. A response to 01..04 has a byte count, as that to 17h. All others that are
-/// named here repeat their request, whole or its first six bytes.
+/// The function whose response is judged alike. A response to 01..04 has a byte count, as that to 17h. All others that
+/// are named here repeat their request, whole or its first six bytes.
 constexpr std::uint8_t like(std::uint8_t code) {
     constexpr std::uint32_t themselves = 0x0041'807E; // a bit each for 01..06, 0F, 10h and 16h
     if (code < 32 && (themselves >> code & 1u) != 0) return code;
@@ -53,8 +53,8 @@ constexpr bool only_reads(bytes pdu) {
 
 inline constexpr std::uint16_t any_length = 0xFFFF; ///< a request does not say how long its response is
 
-/// The length of the response frame to `request`, a frame of function 03, 04, 06 or 10h; 0 if the length or the quantity
-/// of the request is wrong.
+/// The length of the response frame to `request`, a frame of function 03, 04, 06 or 10h; 0 if the length or the
+/// quantity of the request is wrong.
 constexpr std::uint16_t expected_register_response(bytes request) {
     if (is_read(request[1])) {
         const bool whole =

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Hosted, POSIX: RTU frames over a TCP connection, as RS485-Ethernet gateways carry them in transparent mode, as a port.
-// For Modbus TCP: mbap.hpp.
+// Hosted, POSIX: RTU frames over a TCP connection, as RS485-Ethernet gateways carry them in transparent mode, as a
+// port. For Modbus TCP: mbap.hpp.
 //
 //     servobus::posix::tcp port;
 //     if (port.open("192.168.1.7", "4001") != servobus::errc::ok) return 1;
@@ -14,8 +14,8 @@
 // gateway that repeats requests by itself, or answers for a drive, breaks G15 and G2: switch that off.
 //
 // A connection loses nothing: a request whose response did not come in time may reach the drive later, and its response
-// after the quarantine would be taken for that of the next request. If your network can be late, `abort()` the connection
-// after a request without a response, and open it again.
+// after the quarantine would be taken for that of the next request. If your network can be late, `abort()` the
+// connection after a request without a response, and open it again.
 #pragma once
 
 #include <servobus/core/cxx20.hpp>

@@ -153,7 +153,8 @@ template <class Row> inline constexpr std::size_t addresses_in = Row::words;
 } // namespace detail
 
 /// `Count` rows that are equal except for their addresses, which are `stride` apart, such as the segments of
-/// a positioning table or the coils of a relay module. `rows[i]` is a row by value; `at<rows, i>` is a row for use as a template argument.
+/// a positioning table or the coils of a relay module. `rows[i]` is a row by value; `at<rows, i>` is a row for use as a
+/// template argument.
 template <class Row, std::size_t Count> struct reg_array {
     using row = Row;
     using value_type = typename Row::value_type;

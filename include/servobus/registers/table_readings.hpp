@@ -5,7 +5,8 @@
 // and merged into the fewest requests, and no request covers an address that was not asked for. registers/tables.hpp
 // includes it; programs include it to inspect a plan.
 //
-//     constexpr auto& plan = readings<tank::valve, tank::level, tank::temperature>::plan; // a coil, two input registers
+//     // a coil, two input registers
+//     constexpr auto& plan = readings<tank::valve, tank::level, tank::temperature>::plan;
 //     static_assert(plan.count == 2 && plan.requests[0].code() == 0x01 && plan.requests[1].quantity == 2);
 #pragma once
 

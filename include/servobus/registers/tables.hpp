@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Rows of all four tables, the values of coils, and reads of several rows. Headers of devices that have more than holding
-// registers include it; programs that have such a device include any_device.hpp.
+// Rows of all four tables, the values of coils, and reads of several rows. Headers of devices that have more than
+// holding registers include it; programs that have such a device include any_device.hpp.
 //
 //     struct gate { static constexpr profile facts{.name = "gate", .baud = 19200}; };
 //     constexpr discrete_input<gate> is_closed{0x0000};

@@ -69,8 +69,8 @@ template <const auto& Text> struct with_server_id {
 /// The engine of the CRC of a `row_server`.
 template <modbus::crc_engine Crc> struct with_crc {};
 
-/// Skips up to `Count` bytes 00 or FF between a gap and a frame, as an RS-485 driver that is switched on sends them. For
-/// a `row_server`, whose buffer is as much longer. A `host_row_server` skips four without an option.
+/// Skips up to `Count` bytes 00 or FF between a gap and a frame, as an RS-485 driver that is switched on sends them.
+/// For a `row_server`, whose buffer is as much longer. A `host_row_server` skips four without an option.
 template <std::uint8_t Count> struct with_leading_bytes {};
 
 /// A class with both hooks of a server's writes.

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// The values of a device's rows: holding and input registers, coils and discrete inputs. The rows make the storage, so no
-// value can be bound to a wrong address. server/row_server.hpp serves them to clients; the device itself reads and
+// The values of a device's rows: holding and input registers, coils and discrete inputs. The rows make the storage, so
+// no value can be bound to a wrong address. server/row_server.hpp serves them to clients; the device itself reads and
 // sets them. If the profile has a `word_order_register`, its row decides in which order 32-bit values are sent and
 // received; a request that changes it has the order from before.
 //

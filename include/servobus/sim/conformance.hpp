@@ -72,8 +72,8 @@ class conformance : conformance_examination<typename detail::whole_subject<Subje
         return base::played_;
     }
 
-    /// Every pair of mishaps whose first one is a single mishap of the part; the second one is at the same request or at a
-    /// later one of the command or of the half second after it. Plays the single mishaps too.
+    /// Every pair of mishaps whose first one is a single mishap of the part; the second one is at the same request or
+    /// at a later one of the command or of the half second after it. Plays the single mishaps too.
     played every_pair(unsigned interpretation, share part = {}) {
         each_pair(interpretation, part, [&](unsigned c, planned_mishap first, planned_mishap second) {
             (void)play(c, interpretation, first, second);
@@ -115,8 +115,8 @@ class conformance : conformance_examination<typename detail::whole_subject<Subje
   private:
     static constexpr std::uint32_t mishaps = sizeof all_mishaps / sizeof *all_mishaps;
 
-    // Calls `use(command, mishap)` for each single mishap of the part. A step in the numbers from request to request lets
-    // a part of an even number have every mishap.
+    // Calls `use(command, mishap)` for each single mishap of the part. A step in the numbers from request to request
+    // lets a part of an even number have every mishap.
     template <class Use> void each_single(unsigned interpretation, share part, const Use& use) {
         if (!base::is_fit(interpretation)) return;
         std::uint32_t number = 0;

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Geometries that are known at run time only: the same ratios as those of constants, or refused. What is left of a refused one
-// moves nothing.
+// Geometries that are known at run time only: the same ratios as those of constants, or refused. What is left of a
+// refused one moves nothing.
 #include <cstdint>
 #include <initializer_list>
 #include <numeric>

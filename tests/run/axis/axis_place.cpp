@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// The place of an axis: relative moves add up to one product, a move that does not begin leaves no trace, positions go on
-// over their wraps, and begin anew in another epoch. long_runs.cpp has millions.
+// The place of an axis: relative moves add up to one product, a move that does not begin leaves no trace, positions go
+// on over their wraps, and begin anew in another epoch. long_runs.cpp has millions.
 #include <cstdint>
 
 #include <doctest/doctest.h>

@@ -1,8 +1,9 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Attacks on a bus and its drives: a drive that is not the plan's, a pause of the program, a stop that an init replaces,
-// stops that are taken back, and times that wrap. Judged by the frames on the wire and by the simulated drives.
+// Attacks on a bus and its drives: a drive that is not the plan's, a pause of the program, a stop that an init
+// replaces, stops that are taken back, and times that wrap. Judged by the frames on the wire and by the simulated
+// drives.
 #include <doctest/doctest.h>
 
 #include <cstdint>

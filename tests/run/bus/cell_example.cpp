@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// The cell of examples/cell against the simulated drives and a served sensor: all of it moves at once, stops for the door and
-// for a sensor that is silent, and is prepared again after a restart. Judged by the simulated machines.
+// The cell of examples/cell against the simulated drives and a served sensor: all of it moves at once, stops for the
+// door and for a sensor that is silent, and is prepared again after a restart. Judged by the simulated machines.
 #include <cstdint>
 
 #include <doctest/doctest.h>

@@ -2,7 +2,8 @@
 // SPDX-License-Identifier: BSL-1.0
 //
 // The bound of a stop and each part that it contains: every part is provoked, and the bound is a tenth longer at
-// most than the longest stop that this gave. Measured on the wire, from the command to the last bit of the stop's frame.
+// most than the longest stop that this gave. Measured on the wire, from the command to the last bit of the stop's
+// frame.
 #include <doctest/doctest.h>
 
 #include <cstdint>

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// The identification of a device over both lines: in one part and in several, with parts that are lost, of a device that
-// refuses, that begins again, or that has more than there is room for.
+// The identification of a device over both lines: in one part and in several, with parts that are lost, of a device
+// that refuses, that begins again, or that has more than there is room for.
 #include <doctest/doctest.h>
 
 #include <cstdint>

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// The settings that devices share on one line: found for all pairs of the drives, compared with what their registers and
-// simulators have, and used for a plan and a port.
+// The settings that devices share on one line: found for all pairs of the drives, compared with what their registers
+// and simulators have, and used for a plan and a port.
 #include <cstddef>
 #include <cstdint>
 

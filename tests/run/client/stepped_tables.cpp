@@ -1,8 +1,9 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Stepped calls for rows of all four tables, and for functions 16h and 17h: on a good line, on one that loses responses,
-// on one that only echoes and before a device that refuses, their frames and results are those of the blocking calls.
+// Stepped calls for rows of all four tables, and for functions 16h and 17h: on a good line, on one that loses
+// responses, on one that only echoes and before a device that refuses, their frames and results are those of the
+// blocking calls.
 #include <doctest/doctest.h>
 
 #include <cstdint>

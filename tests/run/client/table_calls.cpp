@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Rows of all four tables and functions 16h and 17h, by blocking calls on both lines, against a model of the device that
-// shares nothing with the library.
+// Rows of all four tables and functions 16h and 17h, by blocking calls on both lines, against a model of the device
+// that shares nothing with the library.
 #include <doctest/doctest.h>
 
 #include <cstdint>

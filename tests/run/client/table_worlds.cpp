@@ -1,9 +1,9 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Calls for rows of all four tables, and functions 16h and 17h, on a line with random faults, blocking and stepped, with
-// calls that are given up. Each fact of the device changes before each call, so an older response shows as a wrong value.
-// The judge sees the wire and the model of the device, and nothing of the library but what the calls return.
+// Calls for rows of all four tables, and functions 16h and 17h, on a line with random faults, blocking and stepped,
+// with calls that are given up. Each fact of the device changes before each call, so an older response shows as a wrong
+// value. The judge sees the wire and the model of the device, and nothing of the library but what the calls return.
 #include <doctest/doctest.h>
 
 #include <cstddef>

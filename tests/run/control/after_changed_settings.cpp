@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// G21: what becomes of commands, stops and other drives after a register that a facade caches was written by another client
-// on its line. Judged by the frames on the wire and by the simulated drive.
+// G21: what becomes of commands, stops and other drives after a register that a facade caches was written by another
+// client on its line. Judged by the frames on the wire and by the simulated drive.
 #include <cstdint>
 
 #include <doctest/doctest.h>

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// G21: a register that a facade caches is written by another client on its line. Judged by the frames on the wire and by
-// the simulated drive.
+// G21: a register that a facade caches is written by another client on its line. Judged by the frames on the wire and
+// by the simulated drive.
 #include <array>
 #include <cstdint>
 #include <span>

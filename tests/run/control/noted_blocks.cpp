@@ -1,9 +1,9 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Each block of the feedback that has come reaches the drive's model, also during a stop, with its words, when its request
-// began to leave, and an epoch that changes where positions may be counted from elsewhere: after a restart, a lost port, a
-// homing, a position that was cleared, and not otherwise.
+// Each block of the feedback that has come reaches the drive's model, also during a stop, with its words, when its
+// request began to leave, and an epoch that changes where positions may be counted from elsewhere: after a restart, a
+// lost port, a homing, a position that was cleared, and not otherwise.
 #include <cstddef>
 #include <cstdint>
 #include <cstdlib>

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// A setpoint loop: the frames of a loop that was written by hand, consents that are used once, motion that never begins by
-// itself, ends that are reported once. Judged by the simulated machines and by the frames on the wire.
+// A setpoint loop: the frames of a loop that was written by hand, consents that are used once, motion that never begins
+// by itself, ends that are reported once. Judged by the simulated machines and by the frames on the wire.
 #include <cstddef>
 #include <cstdint>
 #include <vector>

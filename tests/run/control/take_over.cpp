@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// A take-over on each simulated drive: its parts in their order, where it ends and how, and that nothing is energised or
-// moved by it. Judged by the simulated machine and by the frames on the wire.
+// A take-over on each simulated drive: its parts in their order, where it ends and how, and that nothing is energised
+// or moved by it. Judged by the simulated machine and by the frames on the wire.
 #include <cstdint>
 
 #include <doctest/doctest.h>

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// A position that has fallen raises the question whether the drive has restarted: the witness is read. A take-over that has
-// begun meanwhile asks nothing, since it finds out anew what the drive is.
+// A position that has fallen raises the question whether the drive has restarted: the witness is read. A take-over that
+// has begun meanwhile asks nothing, since it finds out anew what the drive is.
 #include <cstddef>
 #include <cstdint>
 

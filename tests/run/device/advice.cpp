@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: BSL-1.0
 //
 // Advice about faults: every alarm and fault bit has one, in short ASCII text, with its source beside it. What the
-// advice about a C630S alarm names (parameters, numbers, parts) is in the manual's text, tests/manuals/c630s_remedies.tsv,
-// or in an erratum.
+// advice about a C630S alarm names (parameters, numbers, parts) is in the manual's text,
+// tests/manuals/c630s_remedies.tsv, or in an erratum.
 #include <doctest/doctest.h>
 
 #include <cstddef>

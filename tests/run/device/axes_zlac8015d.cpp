@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// A ZLAC8015D with two axes: places, ways and speeds of each in lengths, judged by the simulated motors' own positions and by
-// what its registers hold.
+// A ZLAC8015D with two axes: places, ways and speeds of each in lengths, judged by the simulated motors' own positions
+// and by what its registers hold.
 #include <cstdint>
 
 #include <doctest/doctest.h>

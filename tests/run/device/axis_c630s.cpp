@@ -1,8 +1,9 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// A C630S that moves an axis: segments, places, ways and speeds in lengths, judged by the simulated motor's own position, a
-// count of its encoder being 10000 / 131072 reference units; and the comparison of what a reference unit is worth.
+// A C630S that moves an axis: segments, places, ways and speeds in lengths, judged by the simulated motor's own
+// position, a count of its encoder being 10000 / 131072 reference units; and the comparison of what a reference unit is
+// worth.
 #include <cstdint>
 
 #include <doctest/doctest.h>

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// A YAKO that moves an axis: places, ways, speeds and limits in lengths, judged by the simulated motor's own position and by
-// what its registers hold.
+// A YAKO that moves an axis: places, ways, speeds and limits in lengths, judged by the simulated motor's own position
+// and by what its registers hold.
 #include <cmath>
 #include <cstdint>
 

@@ -1,8 +1,9 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Machine safety of the YAKOTEC facades under every interpretation of the manual (tests/support/yako_interpretations.hpp):
-// under each one the promises hold, or the command fails and reports it. The tests check the simulated shaft.
+// Machine safety of the YAKOTEC facades under every interpretation of the manual
+// (tests/support/yako_interpretations.hpp): under each one the promises hold, or the command fails and reports it. The
+// tests check the simulated shaft.
 #include <iterator>
 #include <string>
 

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// YAKOTEC steppers that turn while a command is repeated: how far the motor turns on by the simulator's own position when
-// the program, the line or the drive ends the repetition, and that it never rests in between.
+// YAKOTEC steppers that turn while a command is repeated: how far the motor turns on by the simulator's own position
+// when the program, the line or the drive ends the repetition, and that it never rests in between.
 #include <doctest/doctest.h>
 
 #include <cstdint>

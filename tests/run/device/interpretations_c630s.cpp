@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: BSL-1.0
 //
 // The C630S facade's promises of machine safety, on the wire and under the interpretations of the manual
-// (tests/support/c630s_interpretations.hpp); and the commands that cannot work under an interpretation: how they fail, and
-// what makes them work.
+// (tests/support/c630s_interpretations.hpp); and the commands that cannot work under an interpretation: how they fail,
+// and what makes them work.
 #include <doctest/doctest.h>
 
 #include <array>

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// What a YAKO facade makes of single words: the feedback, word by word; the state between two steps of an init; and of a
-// drive that begins to move late.
+// What a YAKO facade makes of single words: the feedback, word by word; the state between two steps of an init; and of
+// a drive that begins to move late.
 #include <array>
 #include <cstddef>
 #include <cstdint>

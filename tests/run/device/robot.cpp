@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// A robot on a ZLAC8015D: twists on the wire, its pose against the simulated wheels, when a pose is not continuous, and a
-// drive that counts otherwise than the program says. robot_runs.cpp plays 10 000 random runs.
+// A robot on a ZLAC8015D: twists on the wire, its pose against the simulated wheels, when a pose is not continuous, and
+// a drive that counts otherwise than the program says. robot_runs.cpp plays 10 000 random runs.
 #include <array>
 #include <cstdint>
 

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// A wheel's way beside what its speeds allow: the bounds of each judgement, at rest, at one speed, between two, backward, and
-// after more than 4 s; its bow and swing beside simulated speeds.
+// A wheel's way beside what its speeds allow: the bounds of each judgement, at rest, at one speed, between two,
+// backward, and after more than 4 s; its bow and swing beside simulated speeds.
 #include <cstdint>
 #include <random>
 

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// A command that fails tells the register of the step at which it ended. Judged by the frame on the wire that the drive has
-// refused.
+// A command that fails tells the register of the step at which it ended. Judged by the frame on the wire that the drive
+// has refused.
 #include <cstdint>
 #include <string>
 #include <string_view>

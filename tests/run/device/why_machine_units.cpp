@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Why a command in the machine's units was refused: the states and settings in which it is possible, as of the drive's own
-// command, or an error of its value.
+// Why a command in the machine's units was refused: the states and settings in which it is possible, as of the drive's
+// own command, or an error of its value.
 #include <doctest/doctest.h>
 
 #include <servobus/device/c630s/arguments.hpp>

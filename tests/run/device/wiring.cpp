@@ -2,7 +2,8 @@
 // SPDX-License-Identifier: BSL-1.0
 //
 // The terminals of each drive get their functions: what contradicts itself is refused before a frame, what another
-// terminal does is found by reading, freed, and assigned anew. Judged by the frames and by what the simulated drive holds.
+// terminal does is found by reading, freed, and assigned anew. Judged by the frames and by what the simulated drive
+// holds.
 #include <cstddef>
 #include <cstdint>
 #include <vector>

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Functions 01, 02, 05 and 0Fh: the standard's examples (Modbus Application Protocol V1.1b3, 6.1, 6.2, 6.5, 6.11), their
-// limits, and every way in which a request or a response is wrong.
+// Functions 01, 02, 05 and 0Fh: the standard's examples (Modbus Application Protocol V1.1b3, 6.1, 6.2, 6.5, 6.11),
+// their limits, and every way in which a request or a response is wrong.
 #include <doctest/doctest.h>
 
 #include <array>

@@ -1,8 +1,9 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Any function of the standard through one check: the requests and responses that it prints (Modbus Application Protocol
-// V1.1b3, section 6) are valid, and each response ends where its length rule says. Registers, and codes that are none.
+// Any function of the standard through one check: the requests and responses that it prints (Modbus Application
+// Protocol V1.1b3, section 6) are valid, and each response ends where its length rule says. Registers, and codes that
+// are none.
 #include <doctest/doctest.h>
 
 #include <cstdint>

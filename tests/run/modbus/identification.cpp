@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Function 2Bh/0Eh: the standard's example in one part and in two (Modbus Application Protocol V1.1b3, 6.21), every way in
-// which a request or a response is wrong, and devices that would never end.
+// Function 2Bh/0Eh: the standard's example in one part and in two (Modbus Application Protocol V1.1b3, 6.21), every way
+// in which a request or a response is wrong, and devices that would never end.
 #include <doctest/doctest.h>
 
 #include <array>

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Functions 16h and 17h: the standard's examples (Modbus Application Protocol V1.1b3, 6.16, 6.17), their limits, and every
-// way in which a request or a response is wrong.
+// Functions 16h and 17h: the standard's examples (Modbus Application Protocol V1.1b3, 6.16, 6.17), their limits, and
+// every way in which a request or a response is wrong.
 #include <doctest/doctest.h>
 
 #include <array>

@@ -480,8 +480,8 @@ TEST_CASE("G13: a frame to the server of unknown length may go on after a pause,
 
 TEST_CASE("G13, G14: after a short response that may be a longer request, and skipped bytes, a request waits "
           "for a gap") {
-    // FF, which is skipped, and a response of node 255; or FF FF, and a frame of node 2 with function 0Bh. Both end with
-    // a response of node 5, which may also be the beginning of its request.
+    // FF, which is skipped, and a response of node 255; or FF FF, and a frame of node 2 with function 0Bh. Both end
+    // with a response of node 5, which may also be the beginning of its request.
     byte_list of_255{0xFF, 0x02, 11};
     of_255.resize(14, 0x21);
     const byte_list heard = framed(of_255) + framed({5, 0x17, 0});

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// A response that arrives in one piece ends like one that arrives byte by byte, also where it is as long as its request,
-// and where a rule says its length.
+// A response that arrives in one piece ends like one that arrives byte by byte, also where it is as long as its
+// request, and where a rule says its length.
 #include <doctest/doctest.h>
 
 #include <array>

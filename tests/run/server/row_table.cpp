@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// The table that the compiler makes of a server's rows, made at run time: random rows in the order of a pack, and what a
-// plain search finds of them.
+// The table that the compiler makes of a server's rows, made at run time: random rows in the order of a pack, and what
+// a plain search finds of them.
 #include <doctest/doctest.h>
 
 #include <algorithm>

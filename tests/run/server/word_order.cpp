@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// The word order of a server's 32-bit values: fixed by the profile, or switched by a register. Frames are written by hand,
-// and pass through a server on a UART.
+// The word order of a server's 32-bit values: fixed by the profile, or switched by a register. Frames are written by
+// hand, and pass through a server on a UART.
 #include <doctest/doctest.h>
 
 #include <cstdint>

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Each finding of the judges for everybody (sim/conformance.hpp) is made by a winch with the flaw that it names, and what is
-// no broken promise makes none.
+// Each finding of the judges for everybody (sim/conformance.hpp) is made by a winch with the flaw that it names, and
+// what is no broken promise makes none.
 #include <cstdint>
 #include <string>
 #include <string_view>

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// What the judges for everybody (sim/conformance.hpp) are worth: models of the winch with one mistake each, as an author
-// may make it, all of which the compiler takes. Each is found, by the promise that it breaks.
+// What the judges for everybody (sim/conformance.hpp) are worth: models of the winch with one mistake each, as an
+// author may make it, all of which the compiler takes. Each is found, by the promise that it breaks.
 #include <cstdint>
 #include <string>
 

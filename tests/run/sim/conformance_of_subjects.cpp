@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// What the judges for everybody (sim/conformance.hpp) make of a simulated drive or a subject that is not right: a sentence,
-// few findings, and an end.
+// What the judges for everybody (sim/conformance.hpp) make of a simulated drive or a subject that is not right: a
+// sentence, few findings, and an end.
 #include <cstdint>
 #include <string>
 #include <string_view>

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// The register memory for simulated drives (sim/memory.hpp), as the author of one uses it: a pump with a setting that is
-// kept, a target that is not, and a status that is never written. It is a register store of a station.
+// The register memory for simulated drives (sim/memory.hpp), as the author of one uses it: a pump with a setting that
+// is kept, a target that is not, and a status that is never written. It is a register store of a station.
 #include <cstddef>
 #include <cstdint>
 #include <span>

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// What a run of the judges records of the wire (sim/conformance/wire_log.hpp): frames and their kept bytes, requests, which
-// of them repeat others, and the limits of all.
+// What a run of the judges records of the wire (sim/conformance/wire_log.hpp): frames and their kept bytes, requests,
+// which of them repeat others, and the limits of all.
 #include <cstddef>
 #include <cstdint>
 

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// The tool's listener cuts others' traffic into frames, though nothing tells where one ends: chunks of any size, damaged
-// bytes anywhere, a start in the middle.
+// The tool's listener cuts others' traffic into frames, though nothing tells where one ends: chunks of any size,
+// damaged bytes anywhere, a start in the middle.
 #include <doctest/doctest.h>
 
 #include <tests/support/cut_frames.hpp>

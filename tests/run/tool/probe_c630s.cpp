@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// The probe of a C630S finds the switches of the simulated drive as they were set, in any combination; the one that does not
-// always show stays open then.
+// The probe of a C630S finds the switches of the simulated drive as they were set, in any combination; the one that
+// does not always show stays open then.
 #include <string>
 #include <string_view>
 #include <vector>

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// The probe of a YAKOTEC stepper finds the switches of the simulated drive as they were set, in any combination; the few
-// that do not show stay open.
+// The probe of a YAKOTEC stepper finds the switches of the simulated drive as they were set, in any combination; the
+// few that do not show stay open.
 #include <string>
 #include <string_view>
 #include <vector>

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Internal: the upper 32 bits of a product, as quickly as the core can. A core without a multiplication of 64 bits calls
-// a function of 43 instructions for one; by parts it takes 19.
+// Internal: the upper 32 bits of a product, as quickly as the core can. A core without a multiplication of 64 bits
+// calls a function of 43 instructions for one; by parts it takes 19.
 //
 //     static_assert(detail::high_word(0x8000'0000, 6) == 3);
 //     static_assert(detail::high_word_by_parts(0xFFFF'FFFF, 0xFFFF'FFFF) == 0xFFFF'FFFE);

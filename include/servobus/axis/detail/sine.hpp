@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Internal: sine and cosine of an angle of 32 bits, by a table of 65 entries and a correction of third order. The error is
-// at most 3.7e-9 (4 parts of 2^30); tests/run/axis/sine.cpp measures it.
+// Internal: sine and cosine of an angle of 32 bits, by a table of 65 entries and a correction of third order. The error
+// is at most 3.7e-9 (4 parts of 2^30); tests/run/axis/sine.cpp measures it.
 //
 //     static_assert(detail::unit_vector_at(0).cosine == 1 << 30 && detail::unit_vector_at(0).sine == 0);
 //     static_assert(detail::unit_vector_at(0x4000'0000).sine == 1 << 30); // a quarter of a turn

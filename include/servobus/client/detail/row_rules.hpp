@@ -24,7 +24,8 @@ template <const auto& R> constexpr void check_wear() {
                   "what ram_only() gives");
 }
 
-/// True if the register, or the first or second word of it, has the address `setting`; 0: the device has no such setting.
+/// True if the register, or the first or second word of it, has the address `setting`; 0: the device has no such
+/// setting.
 template <const auto& R> constexpr bool covers(u16 setting) {
     return setting != 0 && setting >= R.address && setting < R.address + row_type<R>::words;
 }

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// The calls of a client beyond holding registers: rows of the other tables, and functions 16h and 17h. A program has one
-// copy for each type of client of what needs addresses only. any_device.hpp includes it.
+// The calls of a client beyond holding registers: rows of the other tables, and functions 16h and 17h. A program has
+// one copy for each type of client of what needs addresses only. any_device.hpp includes it.
 #pragma once
 
 #include <cstddef>

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// The life of a command in a drive's machine: whether it may begin, what it replaces, what its end changes of what is known
-// of the drive, which routine follows, and when a supervisor or a fault stops the drive. It sends nothing.
+// The life of a command in a drive's machine: whether it may begin, what it replaces, what its end changes of what is
+// known of the drive, which routine follows, and when a supervisor or a fault stops the drive. It sends nothing.
 #pragma once
 
 #include <cstddef>
@@ -244,8 +244,8 @@ template <class Model, class Exchange> class command_life {
         if (slot_.run().has_written() || slot_.kind() == command_kind::move)
             known_.model().preempt(slot_.command());
     }
-    // Stops the drive although no command asks for it. While the drive's watchdog may have stopped it, any other request
-    // may let it go on.
+    // Stops the drive although no command asks for it. While the drive's watchdog may have stopped it, any other
+    // request may let it go on.
     [[gnu::noinline]] constexpr void stop(stop_priority how, owner by, std::uint8_t urgent, instant now) {
         const prepared_command next = Model::stop_for(how, known_.cached(), known_.link().is_expired());
         if (next.steps.empty()) return give_up_unstopped(now);
@@ -271,8 +271,8 @@ template <class Model, class Exchange> class command_life {
     template <class Line> [[gnu::always_inline]] constexpr bool check_link(instant now, const Line& on) {
         return !known_.link().holds(now, on.epoch(address()).losses) && fail_link(now, on);
     }
-    // A lost port makes the settings invalid, and so do another client that writes one of them, and the drive's watchdog
-    // when its time has passed. A request without a response makes the witness due.
+    // A lost port makes the settings invalid, and so do another client that writes one of them, and the drive's
+    // watchdog when its time has passed. A request without a response makes the witness due.
     template <class Line> [[gnu::noinline]] constexpr bool fail_link(instant now, const Line& on) {
         auto& link = known_.link();
         const errc why = link.take_loss(on.epoch(address()).losses, on.changed_node(), address());

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// The command under way: whose it is, its routine, which command may replace it, how it ended, and what makes a supervisor
-// stop the drive. It sends nothing and knows nothing of the drive.
+// The command under way: whose it is, its routine, which command may replace it, how it ended, and what makes a
+// supervisor stop the drive. It sends nothing and knows nothing of the drive.
 #pragma once
 
 #include <cstdint>

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// The feedback of a drive, what it shows, and the settings that were learned from it. Feedback that may be of another life
-// of the drive is held back. Nothing here sends.
+// The feedback of a drive, what it shows, and the settings that were learned from it. Feedback that may be of another
+// life of the drive is held back. Nothing here sends.
 #pragma once
 
 #include <cstddef>

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// The purpose of a machine's frame, and what becomes of a frame whose routine is replaced. The exchange alone records what
-// has left.
+// The purpose of a machine's frame, and what becomes of a frame whose routine is replaced. The exchange alone records
+// what has left.
 //
 //     none --load--> waiting --first byte--> on the wire --end--> none
 //     waiting --another routine--> dropped; on the wire --another routine--> drained: received, and not used

@@ -1,7 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// The link to a drive says whether the drive responds, and whether it is still the one that the cached settings describe.
+// The link to a drive says whether the drive responds, and whether it is still the one that the cached settings
+// describe.
 //
 //     up --no response for the time of the drive's watchdog--> expired --a response--> up
 //     verified --a request without a response, or 500 ms--> to be checked --the witness is unchanged--> verified
@@ -34,8 +35,8 @@ template <bool HasWatchdog> class drive_link {
         return losses_ == losses && !is_expired() && !is_overdue(now);
     }
     /// The settings are stale: `port_lost` once after each loss of the port, `needs_init` once after another client has
-    /// written one of them. Several such writes between two calls count for all nodes of the line, since `changed_node` is
-    /// that of the last one.
+    /// written one of them. Several such writes between two calls count for all nodes of the line, since `changed_node`
+    /// is that of the last one.
     constexpr errc take_loss(std::uint8_t losses, std::uint8_t changed_node, std::uint8_t address) {
         const auto more = static_cast<std::uint8_t>(losses - losses_);
         losses_ = losses;

@@ -26,8 +26,8 @@ template <class Model> class knowledge : public drive_feedback<Model> {
     constexpr knowledge(std::uint8_t node_address, duration feedback) : base{node_address, feedback} {}
 
     [[gnu::noinline]] constexpr void invalidate() { this->forget_all(); }
-    /// Invalidates the settings if a command's failure leaves them uncertain: an error of the transport or of a response.
-    /// `is_judged`: the error is the model's judgement of an image.
+    /// Invalidates the settings if a command's failure leaves them uncertain: an error of the transport or of a
+    /// response. `is_judged`: the error is the model's judgement of an image.
     constexpr void note_failure(const routine_status& r, bool is_judged) {
         if (is_uncertain(r, is_judged)) invalidate();
     }

@@ -1,7 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Keeps the last end of a setpoint loop until the program takes it, and drops a failure that is the same as the one before.
+// Keeps the last end of a setpoint loop until the program takes it, and drops a failure that is the same as the one
+// before.
 #pragma once
 
 #include <servobus/core/cxx20.hpp>

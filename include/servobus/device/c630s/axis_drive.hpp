@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Coolmay C630S: a drive that moves an axis, in lengths and speeds of the machine. Programs include it beside or in place of
-// servobus/device/c630s.hpp.
+// Coolmay C630S: a drive that moves an axis, in lengths and speeds of the machine. Programs include it beside or in
+// place of servobus/device/c630s.hpp.
 //
 //     constexpr auto ram = axis::of(lead(5_mm, counts_per_turn{10'000})); // P05-02: reference units of a turn
 //     c630s::axis_drive press{wire, 3, ram};
@@ -125,8 +125,8 @@ constexpr whole_speed speed_on(const axis& on, micrometres_per_second wanted) {
 }
 } // namespace detail
 
-/// Sets a position segment in the machine's units, as `segment`: a place, or a way where `position_segments` says so. Errors:
-/// as `segment`; `out_of_range`.
+/// Sets a position segment in the machine's units, as `segment`: a place, or a way where `position_segments` says so.
+/// Errors: as `segment`; `out_of_range`.
 struct axis_segment {
     segment_number number;
     micrometres way;
@@ -168,9 +168,9 @@ constexpr axis_command move_on_axis(const result<std::int32_t>& counts, const ax
 }
 } // namespace detail
 
-/// To a place from the drive's home: sets segment 16 and starts it. Both ramps take the same time, and a motor has no speed at
-/// which it begins. Errors: as `segment` and `start_segment`; `wrong_state` where segments are ways; `bad_argument` without a
-/// profile, or with another one; `out_of_range`.
+/// To a place from the drive's home: sets segment 16 and starts it. Both ramps take the same time, and a motor has no
+/// speed at which it begins. Errors: as `segment` and `start_segment`; `wrong_state` where segments are ways;
+/// `bad_argument` without a profile, or with another one; `out_of_range`.
 constexpr axis_command plan_on_axis(const travel_to& wanted, const axis_place& at,
                                     const cached_settings& known) {
     return detail::move_on_axis(at.geometry().counts_of(wanted.place), wanted.by, displacement_type::absolute,
@@ -195,8 +195,8 @@ constexpr axis_command plan_on_axis(const travel_at& wanted, const axis_place& a
     return c;
 }
 
-/// One C630S on a line that moves an axis. Commands of the drive itself stay in reference units. `init` compares the counts of
-/// a turn with P05-02, or, where that is 0, with the first gear and the encoder's counts: `unexpected_value`.
+/// One C630S on a line that moves an axis. Commands of the drive itself stay in reference units. `init` compares the
+/// counts of a turn with P05-02, or, where that is 0, with the first gear and the encoder's counts: `unexpected_value`.
 template <class Line> class axis_drive : public axis_facade<basic_drive<Line, axis_model>> {
     using base = axis_facade<basic_drive<Line, axis_model>>;
 

@@ -230,8 +230,8 @@ using servobus::runs_on_without_line;
 
 /// Speed mode: turns at a speed for as long as the program repeats the command; `halt` ends it. As `velocity`, but for
 /// what ends it:
-/// - The program steps and stops repeating: the motor stops after the facade's command timeout. A blocking call counts as a
-///   repetition, as for every command timeout.
+/// - The program steps and stops repeating: the motor stops after the facade's command timeout. A blocking call counts
+///   as a repetition, as for every command timeout.
 /// - The program stops stepping, or the line is lost: **the motor turns on**, since the drive has no watchdog. So the
 ///   command does not compile without `runs_on_without_line{}`.
 /// - The response is lost: the target is read back; where that fails too the state is `needs_init` (G21).

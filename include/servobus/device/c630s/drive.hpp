@@ -47,8 +47,9 @@ template <class Line, class Model = model> class basic_drive : public facade<Mod
         return this->cached().state == drive_state::needs_power_cycle;
     }
 
-    /// The feedback, read at most `oldest` ago. Where the facade is polled, the status is as old as its period, or as two
-    /// while `read` is under way. One part of the rest is read with every second status: it is at most eight periods old.
+    /// The feedback, read at most `oldest` ago. Where the facade is polled, the status is as old as its period, or as
+    /// two while `read` is under way. One part of the rest is read with every second status: it is at most eight
+    /// periods old.
     /// Errors: `needs_init`; `busy` while a command changes settings; `timeout` if any of it is older or was not read.
     constexpr result<c630s::feedback> feedback(duration oldest) const {
         errc why = this->check_feedback(oldest);

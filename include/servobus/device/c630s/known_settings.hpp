@@ -1,11 +1,13 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Changes the cached settings of a C630S: after an init has read them, a parameter was written, or the servo was switched
-// on or off. The model of the drive calls it.
+// Changes the cached settings of a C630S: after an init has read them, a parameter was written, or the servo was
+// switched on or off. The model of the drive calls it.
 //
 //     // By P0C-26 = 1 a 32-bit register has its low word first.
-//     word_order order(slice<const std::uint16_t> of_an_init) { return c630s::detail::settings_in(of_an_init).word_order; }
+//     word_order order(slice<const std::uint16_t> of_an_init) {
+//         return c630s::detail::settings_in(of_an_init).word_order;
+//     }
 #pragma once
 
 #include <cstdint>

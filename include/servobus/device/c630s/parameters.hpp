@@ -1,9 +1,9 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Coolmay C630S: the commands that set it up: ramps and limits, gear, speed segments, encoder and factory resets, address
-// and line; any other parameter is in single_parameters.hpp. servobus/device/c630s.hpp includes it. Source: manual
-// V24.111, chapters 5 to 9.
+// Coolmay C630S: the commands that set it up: ramps and limits, gear, speed segments, encoder and factory resets,
+// address and line; any other parameter is in single_parameters.hpp. servobus/device/c630s.hpp includes it. Source:
+// manual V24.111, chapters 5 to 9.
 //
 //     if (!servo.run(c630s::ramps{500 * millisecond, 800 * millisecond})) return 1; // until the power goes
 //     if (!servo.run(c630s::top_speeds{3000 * r_per_min, 3000 * r_per_min, 500 * r_per_min})) return 1;

@@ -115,8 +115,8 @@ inline constexpr step init[] = {
     steps::fetch<brake_on_to_command_delay, brake_off_to_power_off_delay>(brake_delay_word),
 };
 
-/// After an `init` without a response, whose stops the EEPROM would keep once more. Servo off goes first and is kept: it
-/// takes back a servo-on that a restart has let into the EEPROM.
+/// After an `init` without a response, whose stops the EEPROM would keep once more. Servo off goes first and is kept:
+/// it takes back a servo-on that a restart has let into the EEPROM.
 inline constexpr step servo_off_first[] = {servo_off};
 inline constexpr auto init_again = joined(servo_off_first, spare_first, init);
 
@@ -197,8 +197,8 @@ inline constexpr step before_enable[] = {
     steps::expect_zero<virtual_inputs_at_power_on>(errc::wrong_state, terminal::servo_on),
     steps::expect_zero<power_on_functions_1_to_16>(errc::wrong_state, terminal::servo_on),
 };
-/// Argument 0: P31-00 as it is; 4: with servo-on, and with a segment where one is chosen by inputs. A restart in between
-/// would bring back the targets and the mode that the EEPROM holds, so they are read last, and once more.
+/// Argument 0: P31-00 as it is; 4: with servo-on, and with a segment where one is chosen by inputs. A restart in
+/// between would bring back the targets and the mode that the EEPROM holds, so they are read last, and once more.
 inline constexpr step enable_now[] = {
     must_be_ready, read_back_speed, read_back_torque, inputs_are_known,
     steps::write_arguments<virtual_input_levels>(4),
@@ -249,8 +249,8 @@ inline constexpr auto enable_position = joined(before_enable, position_by_bus_or
 
 inline constexpr step disable[] = {servo_off, read_back_inputs, until_standstill, until_power_off};
 /// Writing the marker hides a restart before it, so that it is read first, as the frame before. Meanwhile another stop
-/// acts, by the mode. A drive without the marker has restarted: it is stopped as one of which nothing is known. Read back
-/// is the marker too: a stop without it begins again.
+/// acts, by the mode. A drive without the marker has restarted: it is stopped as one of which nothing is known. Read
+/// back is the marker too: a stop without it begins again.
 inline constexpr step has_kept_marker = steps::expect_bits<virtual_input_levels>(terminal::marker, terminal::marker, errc::needs_init);
 inline constexpr step disable_marked[]         = {stop_by_targets, has_kept_marker, servo_off_marked, has_marker, until_standstill, until_power_off};
 inline constexpr step disable_marked_torque[]  = {zero_torque, has_kept_marker, servo_off_marked, has_marker, until_standstill, until_power_off};

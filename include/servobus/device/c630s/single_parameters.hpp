@@ -1,8 +1,9 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Coolmay C630S: any parameter by its row, until the power goes or for good, read back. A terminal's function is compared
-// with those of the other terminals first. servobus/device/c630s.hpp includes it. Source: manual V24.111, chapters 6 and 7.
+// Coolmay C630S: any parameter by its row, until the power goes or for good, read back. A terminal's function is
+// compared with those of the other terminals first. servobus/device/c630s.hpp includes it. Source: manual V24.111,
+// chapters 6 and 7.
 //
 //     if (!servo.run(c630s::set<c630s::positioning_completed_threshold>{500})) return 1; // until the power goes
 //     const routine_status kept = servo.run(c630s::keep<c630s::di1_function>{c630s::input_function::home_switch});
@@ -88,8 +89,8 @@ constexpr prepared_command put(routine one, routine two, const register_value<R>
 }
 } // namespace detail
 
-/// Sets a parameter until the power goes: `run(set<positioning_completed_threshold>{500})`. One that is taken only while the
-/// servo is off is refused otherwise; one that counts from the next power-on does not compile: `keep` it.
+/// Sets a parameter until the power goes: `run(set<positioning_completed_threshold>{500})`. One that is taken only
+/// while the servo is off is refused otherwise; one that counts from the next power-on does not compile: `keep` it.
 ///
 /// A terminal's function, such as `di1_function`, is first compared with those of the other terminals: no two
 /// inputs, wired or virtual, and no two wired outputs may have one (Er.130; sections 6.4.1 and 6.4.2).

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// A terminal of a C630S gets a function which no other may have: the blocks of terminals are read one after the other, and
-// then the function is written. For the model of the drive. Source: manual V24.111, sections 6.4 and 7.4.
+// A terminal of a C630S gets a function which no other may have: the blocks of terminals are read one after the other,
+// and then the function is written. For the model of the drive. Source: manual V24.111, sections 6.4 and 7.4.
 //
 //     c630s::terminal_rivals none; // before any command
 //     bool has_conflict() { return none.conflict() != 0; }

@@ -42,9 +42,9 @@ struct device {
         .format = character_format::n82,
         .limits = {.response = milliseconds(100), .echoes_byte_count = true}, // [errata C2]
         .exceptions = exceptions};
-    /// Lists what the facade relies on, by groups: P02 brake delays and factory settings; P03 wired inputs; P05 gears; P06
-    /// and P07 limits; P0C virtual terminals, EEPROM switch, response delay, word order; P0D-00 restart; P17 and P31
-    /// virtual terminals. Modes, their sources and P05-30 are not among them: each enable sets them.
+    /// Lists what the facade relies on, by groups: P02 brake delays and factory settings; P03 wired inputs; P05 gears;
+    /// P06 and P07 limits; P0C virtual terminals, EEPROM switch, response delay, word order; P0D-00 restart; P17 and
+    /// P31 virtual terminals. Modes, their sources and P05-30 are not among them: each enable sets them.
     static constexpr address_range cached_by_facade[] = {
         {0x0209, 0x020A}, {0x021F, 0x021F}, {0x0300, 0x0311}, {0x0322, 0x0323}, {0x0502, 0x0503},
         {0x0507, 0x050E}, {0x0607, 0x0609}, {0x0709, 0x070A}, {0x0C09, 0x0C0D}, {0x0C19, 0x0C1A},

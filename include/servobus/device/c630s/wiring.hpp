@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Coolmay C630S: gives its terminals their functions for good. What the others do, hidden ones (DI5 to DI8, DO5, DO6, the
-// virtual inputs P17) included, is read first: no function may be there twice.
+// Coolmay C630S: gives its terminals their functions for good. What the others do, hidden ones (DI5 to DI8, DO5, DO6,
+// the virtual inputs P17) included, is read first: no function may be there twice.
 // Source: manual V24.111, sections 6.4.1, 6.4.2, 7.3, 7.4.
 //
 //     using enum c630s::input_function;
@@ -130,7 +130,8 @@ using wiring_of_outputs = wiring_of<do1_function.address, 6, 0, 0>;
 /// - `out_of_range`: there is no such function, or it is servo-on, which only a command gives; nothing was sent
 /// - `already_assigned`: a virtual input has the function (P17), by which the facade commands the drive, or another
 ///   program's; nothing was written
-/// - `needs_init`, `wrong_state`: as of `keep`; otherwise the drive's own. P0C-13 is 0 again unless the line has failed.
+/// - `needs_init`, `wrong_state`: as of `keep`; otherwise the drive's own. P0C-13 is 0 again unless the line has
+///   failed.
 struct wire_inputs {
     wired<input_function> di1{};
     wired<input_function> di2{};

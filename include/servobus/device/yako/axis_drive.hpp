@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// YAKOTEC Modbus steppers: a drive that moves an axis, in lengths and speeds of the machine. Programs include it beside or
-// in place of servobus/device/yako.hpp.
+// YAKOTEC Modbus steppers: a drive that moves an axis, in lengths and speeds of the machine. Programs include it beside
+// or in place of servobus/device/yako.hpp.
 //
 //     constexpr auto screw = axis::of(lead(5_mm, counts_per_turn{1000})); // 0011h: pulses of a turn
 //     yako::closed_loop::axis_drive lift{wire, 2, screw};
@@ -126,7 +126,8 @@ constexpr axis_command plan_on_axis(const servobus::hold_at& wanted, const axis_
     // Likewise.
     return hold{detail::speed_on(at.geometry(), wanted.speed, known).value, wanted.every}.plan(known);
 }
-/// A mirrored axis has its lowest place where the drive counts highest. Errors: as `yako::limit_travel`; `out_of_range`.
+/// A mirrored axis has its lowest place where the drive counts highest. Errors: as `yako::limit_travel`;
+/// `out_of_range`.
 constexpr axis_command plan_on_axis(const travel_limits& wanted, const axis_place& at,
                                     const cached_settings& known) {
     const axis& on = at.geometry();

@@ -56,8 +56,8 @@ class basic_drive : public facade<Model, Line> {
     /// restart, which the manual does not rule out, shows none [errata A53, A55].
     constexpr bool restart_visible() const { return this->cached().is_marked; }
 
-    /// The feedback, read at most `oldest` ago. Errors: `needs_init`; `busy` while a command changes settings, and during `init`;
-    /// `timeout` if it is older or none was read.
+    /// The feedback, read at most `oldest` ago. Errors: `needs_init`; `busy` while a command changes settings, and
+    /// during `init`; `timeout` if it is older or none was read.
     constexpr result<basic_feedback<Device>> feedback(duration oldest) const {
         if (const errc why = this->check_feedback(oldest); why != errc::ok) return why;
         return last_feedback();

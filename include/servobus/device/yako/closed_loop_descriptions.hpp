@@ -1,8 +1,9 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// YAKOTEC Modbus steppers, closed loop: a sentence about each register, in address order. yako/closed_loop_catalogue.hpp
-// includes it; programs on a target do not. Source: manual V2.6.0, appendix 2, in short English.
+// YAKOTEC Modbus steppers, closed loop: a sentence about each register, in address order.
+// yako/closed_loop_catalogue.hpp includes it; programs on a target do not. Source: manual V2.6.0, appendix 2, in short
+// English.
 //
 //     for (const description& d : yako::closed_loop::descriptions)
 //         std::printf("%04Xh %s\n", unsigned{d.address}, d.sentence);

@@ -343,8 +343,8 @@ constexpr prepared_command plan(read_feedback, const cached_settings& cached) {
     return {.steps = routines::feedback, .then = effect::seen, .refusal = detail::needs_init_done(cached)};
 }
 
-/// By which a take-over knows what moves the motor although its plan does not show it, and what does not although its plan
-/// is that of a homing.
+/// By which a take-over knows what moves the motor although its plan does not show it, and what does not although its
+/// plan is that of a homing.
 template <class Device> void moves_or_energises(const basic_home<Device>*);
 void neither_moves_nor_energises(const declare_position*);
 

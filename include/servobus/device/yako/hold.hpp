@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// YAKOTEC Modbus steppers: `hold` turns the motor while a button is held, though the drive has no watchdog: each command is
-// a move that ends by itself. servobus/device/yako.hpp includes it. Source: manual V2.6.0, section 4.1.
+// YAKOTEC Modbus steppers: `hold` turns the motor while a button is held, though the drive has no watchdog: each
+// command is a move that ends by itself. servobus/device/yako.hpp includes it. Source: manual V2.6.0, section 4.1.
 //
 //     void jog(auto& axis, bool is_pressed) { // in each loop iteration
 //         if (axis.step(); !axis.is_idle()) return;
@@ -21,23 +21,23 @@ namespace servobus::yako {
 /// the position that the drive shows, plus `reach`, and interrupts the one before (bit 3 of 0027h). So the motor never
 /// turns on by more than `reach` from a position that was read, and comes to rest there by its deceleration time:
 /// - The program stops stepping, or steps and stops repeating, or the line is lost: no further target is set.
-/// - The response to the target or to the start is lost, or the start itself: as after any such command (G21) the state is
-///   `needs_init`, and only `init`, which stops the motor, leads on. Reads that are lost are repeated.
+/// - The response to the target or to the start is lost, or the start itself: as after any such command (G21) the state
+///   is `needs_init`, and only `init`, which stops the motor, leads on. Reads that are lost are repeated.
 /// - The drive restarts: `needs_init`, and a drive that is energised is stopped.
 ///
-/// [U] How a real drive passes from one move to the next is not stated. In simulation it keeps its speed, and has turned
-/// on by 190..240 pulses of a reach of 252 (60 r/min, each 50 ms) after the program had stopped.
+/// [U] How a real drive passes from one move to the next is not stated. In simulation it keeps its speed, and has
+/// turned on by 190..240 pulses of a reach of 252 (60 r/min, each 50 ms) after the program had stopped.
 ///
 /// The axis need not be homed: the manual does not ask for it, and the way counts from the position that is seen [U].
 /// Software limits (after homing) and limit inputs stop the motor as in any move, by 0017h. It leaves no target behind:
 /// `arrival()` is none and `wait_reached` is refused (`wrong_state`); `wait_standstill` waits for its end.
 ///
-/// Errors: `busy` while the motor moves otherwise, also for another direction, speed or ramp: `halt` first, since the way
-/// that such a change takes is not stated [errata A32]. A bounded jog of the same profile is gone on with, and leaves a hold
-/// as it is. `out_of_range` for a speed of zero or beyond 3000 r/min, times beyond 2000 ms, `every` beyond 1 ms..1 s, and
-/// a target beyond the 32 bits of the position, where the motor comes to rest: declare another position.
-/// `unexpected_value` if 0011h held none of its range at `init`. `not_reached` if the motor rests again: an input, or
-/// an `every` that is shorter than the program and the line take. Otherwise as `move_by`.
+/// Errors: `busy` while the motor moves otherwise, also for another direction, speed or ramp: `halt` first, since the
+/// way that such a change takes is not stated [errata A32]. A bounded jog of the same profile is gone on with, and
+/// leaves a hold as it is. `out_of_range` for a speed of zero or beyond 3000 r/min, times beyond 2000 ms, `every`
+/// beyond 1 ms..1 s, and a target beyond the 32 bits of the position, where the motor comes to rest: declare another
+/// position. `unexpected_value` if 0011h held none of its range at `init`. `not_reached` if the motor rests again: an
+/// input, or an `every` that is shorter than the program and the line take. Otherwise as `move_by`.
 struct hold {
     static constexpr duration shortest = milliseconds(1);
     static constexpr duration longest = milliseconds(1000);
@@ -49,8 +49,8 @@ struct hold {
     time deceleration{100}; ///< 0..2000 ms
 
     /// The way from the position seen to the target of one command: speed x (2 x `every` + 50 ms + `deceleration`),
-    /// or at most 2 % and 32 pulses more. The 50 ms are for the frames and the drive's start. The second `every` and half of
-    /// the deceleration leave time for a late command.
+    /// or at most 2 % and 32 pulses more. The 50 ms are for the frames and the drive's start. The second `every` and
+    /// half of the deceleration leave time for a late command.
     constexpr distance reach(const cached_settings& cached) const {
         const speed top = target.count() < 0 ? -target : target;
         const std::uint32_t period = (every.us >> 10) + (every.us >> 15) + 1; // ms

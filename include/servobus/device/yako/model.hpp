@@ -126,8 +126,8 @@ template <class Device> class model {
         }
         return errc::ok;
     }
-    /// Whether a command that was acknowledged is carried out; or whether a move has arrived. An alarm that comes meanwhile has ended the command by then: each
-    /// image is judged first.
+    /// Whether a command that was acknowledged is carried out; or whether a move has arrived. An alarm that comes
+    /// meanwhile has ended the command by then: each image is judged first.
     constexpr errc confirm(const prepared_command& c, const situation& now, settings& known) {
         const std::uint16_t* const w = now.image;
         const duration since_start = now.waited;

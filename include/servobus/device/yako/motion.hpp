@@ -102,7 +102,8 @@ template <class Device> class motion_under_way {
         was_moving_ = s.is_moving() && c.then != effect::crept; // a hold has a target all the same
         is_positioning_ = c.then == effect::moved || c.then == effect::crept;
     }
-    /// True for a bounded jog or a hold under way in the same direction. The first image that shows it at rest has ended it.
+    /// True for a bounded jog or a hold under way in the same direction. The first image that shows it at rest has
+    /// ended it.
     constexpr bool goes_on(const prepared_command& c, const std::uint16_t* w) const {
         const auto pace = static_cast<std::int16_t>(w[6]);
         const bool is_opposite = (pace > 0 && c.target < 0) || (pace < 0 && c.target > 0);

@@ -140,8 +140,8 @@ inline constexpr step jog[] = {
 inline constexpr std::uint8_t start_step = 3; ///< in the routines of a move with a profile and of a jog
 inline constexpr std::uint8_t stored_start_step = 4;
 
-/// Section 4.3. Arguments: offset mode, method, offset, and the speeds that the drive should hold. A drive that restarts
-/// after the method was written would look for home by the factory's method.
+/// Section 4.3. Arguments: offset mode, method, offset, and the speeds that the drive should hold. A drive that
+/// restarts after the method was written would look for home by the factory's method.
 inline constexpr step home[] = {
     steps::expect_arguments<cl::homing_fast_speed, cl::homing_slow_speed>(4, errc::needs_init),
     same_drive, may_act,

@@ -1,9 +1,9 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// YAKOTEC Modbus steppers: any parameter by its row, microsteps and direction, collision homing, the gains of the current
-// loop. What is set is read back. servobus/device/yako.hpp includes it. Source: manual V2.6.0, sections 4.3 and 5.1,
-// appendices 2 and 3, which do not state when a parameter may be written: the rules here are on the safe side.
+// YAKOTEC Modbus steppers: any parameter by its row, microsteps and direction, collision homing, the gains of the
+// current loop. What is set is read back. servobus/device/yako.hpp includes it. Source: manual V2.6.0, sections 4.3 and
+// 5.1, appendices 2 and 3, which do not state when a parameter may be written: the rules here are on the safe side.
 //
 //     if (!axis.run(yako::init{}) || !axis.run(yako::disable{})) return 1;
 //     if (!axis.run(yako::set_microsteps{2000}) || !axis.run(yako::init{})) return 1; // positions count anew
@@ -81,9 +81,9 @@ template <const auto& R> constexpr void check_settable() {
 constexpr bool needs_free_motor(std::uint16_t address) { return is_between(address, 0x0100, 0x0101); }
 } // namespace detail
 
-/// Takes the rows from 0100h on, 003Bh and 003Ch; all else has a command of its own. The control algorithm and the encoder's
-/// resolution (0100h, 0101h) are set while the motor is free and stands (`wrong_state`, `busy`), currents, filters and
-/// gains in each state after `init`.
+/// Takes the rows from 0100h on, 003Bh and 003Ch; all else has a command of its own. The control algorithm and the
+/// encoder's resolution (0100h, 0101h) are set while the motor is free and stands (`wrong_state`, `busy`), currents,
+/// filters and gains in each state after `init`.
 template <const auto& R>
 constexpr prepared_command plan(const set<R>& wanted, const cached_settings& cached) {
     detail::check_settable<R>();
@@ -100,9 +100,9 @@ template <const auto& R> constexpr prepared_command plan(const keep<R>&, const c
 }
 
 /// Sets the pulses of a turn, 0011h, 400..51200; while the motor is free and stands. **Each position is another number
-/// then**: the state is `needs_init`, and `init` takes the drive over with the new number; home the axis, or declare its
-/// position. What segments and limits hold stays a number of pulses. A drive that moves an axis compares the number with
-/// its geometry at `init` (`unexpected_value`).
+/// then**: the state is `needs_init`, and `init` takes the drive over with the new number; home the axis, or declare
+/// its position. What segments and limits hold stays a number of pulses. A drive that moves an axis compares the number
+/// with its geometry at `init` (`unexpected_value`).
 struct set_microsteps {
     register_value<microstep_resolution> pulses;
     constexpr prepared_command plan(const cached_settings& cached) const {
@@ -127,8 +127,8 @@ struct set_direction {
     }
 };
 
-/// Sets the gains of the current loop in one frame, 010Eh..0111h; the manual states neither ranges nor defaults: note what the
-/// drive holds first. In each state after `init`.
+/// Sets the gains of the current loop in one frame, 010Eh..0111h; the manual states neither ranges nor defaults: note
+/// what the drive holds first. In each state after `init`.
 struct set_current_loop {
     register_value<current_loop_kp_multiplier> kp_multiplier;
     register_value<current_loop_kp> kp;
@@ -144,8 +144,8 @@ struct set_current_loop {
 };
 
 namespace closed_loop {
-/// Sets when homing against a stop (methods -1 to -4) takes it for reached: 003Bh, 50..4000 of following error, with at most
-/// this share of the rated current, 003Ch, 20..100 %. In one frame, at standstill. Section 4.3.
+/// Sets when homing against a stop (methods -1 to -4) takes it for reached: 003Bh, 50..4000 of following error, with at
+/// most this share of the rated current, 003Ch, 20..100 %. In one frame, at standstill. Section 4.3.
 struct set_collision_homing {
     using device = closed_loop::device;
     register_value<collision_threshold> threshold;

@@ -46,8 +46,8 @@ struct device {
                                    .format = character_format::n81,
                                    .limits = {.corrupted_request = 1, .acknowledge = 0}, // [errata A3, A4]
                                    .exceptions = exceptions};
-    /// Lists what the facade relies on: direction and microsteps, limits, word order and resolution, the profile of moves, the
-    /// two command registers, the homing speeds, the marker.
+    /// Lists what the facade relies on: direction and microsteps, limits, word order and resolution, the profile of
+    /// moves, the two command registers, the homing speeds, the marker.
     static constexpr address_range cached_by_facade[] = {{0x0010, 0x0011}, {0x0018, 0x001A}, {0x0020, 0x0023},
                                                          {0x0027, 0x0027}, {0x002D, 0x002D}, {0x0032, 0x0033},
                                                          {0x00BA, 0x00BB}};

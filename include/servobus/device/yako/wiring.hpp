@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// YAKOTEC Modbus steppers: gives their terminals their functions. What the other inputs do is read first: a function is at
-// one input. `save` keeps it. Source: manual V2.6.0, section 5.2.
+// YAKOTEC Modbus steppers: gives their terminals their functions. What the other inputs do is read first: a function is
+// at one input. `save` keeps it. Source: manual V2.6.0, section 5.2.
 //
 //     using enum yako::input_function;
 //     if (!axis.run(yako::wire_inputs{.x0 = home, .x1 = positive_limit, .x2 = negative_limit})) return 1;
@@ -46,7 +46,8 @@ constexpr wiring_status refused_at(errc why, unsigned terminal) {
 /// each other. Nothing is written if all is so already. Waits.
 ///
 /// Errors, with `terminal()`:
-/// - `bad_argument`: one function is named twice, or the drive has no such input (closed loop: up to X3); nothing was sent
+/// - `bad_argument`: one function is named twice, or the drive has no such input (closed loop: up to X3); nothing was
+///   sent
 /// - `out_of_range`: there is no such function; nothing was sent
 /// - `needs_init`, `wrong_state`, `busy`: as of `set_input`; otherwise the drive's own
 struct wire_inputs {

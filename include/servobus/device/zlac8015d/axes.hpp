@@ -1,14 +1,14 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// ZLTECH ZLAC8015D: a drive whose two motors move an axis each, in lengths and speeds of the machine, such as two belts.
-// Programs include it beside or in place of servobus/device/zlac8015d.hpp.
+// ZLTECH ZLAC8015D: a drive whose two motors move an axis each, in lengths and speeds of the machine, such as two
+// belts. Programs include it beside or in place of servobus/device/zlac8015d.hpp.
 //
 //     static constexpr auto belt = axis::of(rolling(120_mm, counts_per_turn{4096}, gear_ratio{5, 1}));
 //     zlac8015d::axes belts{wire, 1, belt, belt, {.command_timeout = milliseconds(300)}};
-//     constexpr zlac8015d::enable_in ways{zlac8015d::operating_mode::relative_position, zlac8015d::synchronisation::asynchronous};
-//     if (!belts.run(init{}) || !belts.run(ways)) return 1;
-//     if (belts.left().run(travel_by{250_mm}, wait_reached{}).how != arrival_state::reached) return 1;
+//     using zlac8015d::operating_mode, zlac8015d::synchronisation;
+//     const zlac8015d::enable_in ways{operating_mode::relative_position, synchronisation::asynchronous};
+//     if (!belts.run(init{}) || !belts.run(ways) || !belts.left().run(travel_by{250_mm})) return 1;
 #pragma once
 
 #include <cstdint>
@@ -100,8 +100,8 @@ constexpr axis_command plan_on_wheel(const travel_by& wanted, const axis_place& 
     c.carries = true;
     return c;
 }
-/// Velocity mode, to the nearest count of the drive's speed; the other axis keeps its speed. Errors: as `left_velocity`;
-/// `out_of_range`, also for a speed that is not 0 and rounds to it.
+/// Velocity mode, to the nearest count of the drive's speed; the other axis keeps its speed. Errors: as
+/// `left_velocity`; `out_of_range`, also for a speed that is not 0 and rounds to it.
 constexpr axis_command plan_on_wheel(const travel_at& wanted, const axis_place& at, wheels which,
                                      const cached_settings& known) {
     const std::int32_t n = known.resolution;
@@ -138,7 +138,8 @@ template <class Drive> class axis_of_drive {
     constexpr drive_state state() const { return drive_->state(); }
     constexpr cached_settings cached() const { return drive_->cached(); }
 
-    /// Runs a move of this axis and waits for its end. Returns how that was; `none` if the move did not begin, as `last` says.
+    /// Runs a move of this axis and waits for its end. Returns how that was; `none` if the move did not begin, as
+    /// `last` says.
     template <class Move> axis_arrival run(const Move& move, const wait_reached& end) {
         if (!run(move)) return {};
         (void)drive_->run(wait_wheels_reached{which_, end.limit});
@@ -173,8 +174,8 @@ template <class Drive> class axis_of_drive {
     wheels which_;
 };
 
-/// One ZLAC8015D on a line whose motors move an axis each. `init` compares the counts of a turn with the encoders' lines, 2030h
-/// and 2060h: `unexpected_value`.
+/// One ZLAC8015D on a line whose motors move an axis each. `init` compares the counts of a turn with the encoders'
+/// lines, 2030h and 2060h: `unexpected_value`.
 template <class Line> class axes : public basic_drive<Line, axes_model> {
     using base = basic_drive<Line, axes_model>;
 

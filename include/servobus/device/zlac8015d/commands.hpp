@@ -144,8 +144,8 @@ struct velocity {
     }
 };
 
-/// Velocity mode: both wheels at a speed for as long as the program repeats the command; `halt` ends it. As `velocity`, but
-/// something must stop the wheels when it is not repeated:
+/// Velocity mode: both wheels at a speed for as long as the program repeats the command; `halt` ends it. As `velocity`,
+/// but something must stop the wheels when it is not repeated:
 /// - The program steps and stops repeating: they stop after the facade's command timeout. A blocking call counts as a
 ///   repetition, as for every command timeout.
 /// - The program stops stepping, or the line is lost: the drive's watchdog stops them (2000h; `watchdog`).

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// ZLTECH ZLAC8015D: compares the counts of a turn that a program states with the drive's encoder lines, once it is taken over.
-// zlac8015d/robot.hpp and zlac8015d/axes.hpp include it.
+// ZLTECH ZLAC8015D: compares the counts of a turn that a program states with the drive's encoder lines, once it is
+// taken over. zlac8015d/robot.hpp and zlac8015d/axes.hpp include it.
 //
 //     static_assert(zlac8015d::counted_model::counts_in(1024) == 4096); // 2030h, 2060h
 #pragma once
@@ -24,8 +24,8 @@ inline constexpr step encoder_lines[] = {
 /// The model of a drive whose counts have lengths.
 class counted_model : public model {
   public:
-    /// Four counts a line follow from the manual's example, 20480 for five turns of 4096 (section 3.2). 0 lines count as
-    /// the factory's 1024.
+    /// Four counts a line follow from the manual's example, 20480 for five turns of 4096 (section 3.2). 0 lines count
+    /// as the factory's 1024.
     static constexpr std::uint32_t counts_in(std::uint16_t lines) {
         return 4u * (lines == 0 ? 1024u : lines);
     }

@@ -62,8 +62,8 @@ template <class Line, class Model = model> class basic_drive : public facade<Mod
     constexpr basic_drive(Line& on, const servobus::node<device>& at, const supervision& by)
         : base{on, at, by.feedback, by.command_timeout} {}
 
-    /// The feedback, read at most `oldest` ago. Errors: `needs_init`; `busy` while a command changes settings, and during `init`;
-    /// `timeout` if it is older or none was read.
+    /// The feedback, read at most `oldest` ago. Errors: `needs_init`; `busy` while a command changes settings, and
+    /// during `init`; `timeout` if it is older or none was read.
     constexpr result<zlac8015d::feedback> feedback(duration oldest) const {
         if (const errc why = this->check_feedback(oldest); why != errc::ok) return why;
         return last_feedback();

@@ -103,9 +103,9 @@ struct park {
     }
 };
 
-/// Makes the present places of these wheels zero, at standstill: of the feedback, 2005h, and of the absolute mode, 2006h, in
-/// one frame. Where only one of them was set, by a client or another program, absolute moves end `stopped_short` though the
-/// wheels are at their targets.
+/// Makes the present places of these wheels zero, at standstill: of the feedback, 2005h, and of the absolute mode,
+/// 2006h, in one frame. Where only one of them was set, by a client or another program, absolute moves end
+/// `stopped_short` though the wheels are at their targets.
 struct clear_position {
     wheels of = wheels::both;
     constexpr prepared_command plan(const cached_settings& cached) const {

@@ -171,8 +171,8 @@ template <class Line> class robot : public basic_drive<Line, robot_model> {
 
     using base::begin;
     using base::run;
-    /// Velocity mode: drives both wheels by a twist, rounded to whole counts of their speeds. Above the drive's limit, 2008h,
-    /// both slow down by one factor, so that the path is kept. Errors: `wrong_state`, `needs_init`.
+    /// Velocity mode: drives both wheels by a twist, rounded to whole counts of their speeds. Above the drive's limit,
+    /// 2008h, both slow down by one factor, so that the path is kept. Errors: `wrong_state`, `needs_init`.
     routine_status run(const twist& wanted) { return base::run(with_geometry(wanted)); }
     [[nodiscard]] constexpr errc begin(const twist& wanted) { return base::begin(with_geometry(wanted)); }
     /// A twist with this robot's wheels, as `why` asks for it.

@@ -33,8 +33,8 @@ struct device {
                                    .baud = 115200,
                                    .format = character_format::n81,
                                    .exceptions = exceptions};
-    /// Lists what the facade relies on: watchdog, positions cleared, top speed and factory settings, mode, control word and
-    /// synchronisation, resolution, encoder lines.
+    /// Lists what the facade relies on: watchdog, positions cleared, top speed and factory settings, mode, control word
+    /// and synchronisation, resolution, encoder lines.
     static constexpr address_range cached_by_facade[] = {{0x2000, 0x2000}, {0x2005, 0x2006}, {0x2008, 0x2009},
                                                          {0x200D, 0x200F}, {0x2022, 0x2022}, {0x2030, 0x2030},
                                                          {0x2060, 0x2060}};

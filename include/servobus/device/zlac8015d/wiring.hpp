@@ -6,7 +6,8 @@
 //
 //     using zlac8015d::input_function, zlac8015d::output_function;
 //     if (!wheels.run(zlac8015d::wire_inputs{.x0 = input_function::undefined})) return 1; // a stop from the factory
-//     if (!wheels.run(zlac8015d::wire_outputs{.y0 = output_function::alarm}) || !wheels.run(zlac8015d::save{})) return 1;
+//     if (!wheels.run(zlac8015d::wire_outputs{.y0 = output_function::alarm})) return 1;
+//     if (!wheels.run(zlac8015d::save{})) return 1;
 #pragma once
 
 #include <cstdint>
@@ -26,8 +27,8 @@ constexpr wiring_status wire(const wired<Function>& to, Run& run) {
 }
 } // namespace detail
 
-/// Gives the inputs their functions, 2017h and 2018h; while disabled, at standstill. Both may stop the drive. An input that
-/// is not named keeps its function. Waits. Errors: as of `set`, at `terminal()`.
+/// Gives the inputs their functions, 2017h and 2018h; while disabled, at standstill. Both may stop the drive. An input
+/// that is not named keeps its function. Waits. Errors: as of `set`, at `terminal()`.
 struct wire_inputs {
     wired<input_function> x0{};
     wired<input_function> x1{};
@@ -43,7 +44,8 @@ struct wire_inputs {
     }
 };
 
-/// Gives the outputs their functions, 201Ch and 201Dh; likewise. Both may show one. The brakes have outputs of their own.
+/// Gives the outputs their functions, 201Ch and 201Dh; likewise. Both may show one. The brakes have outputs of their
+/// own.
 struct wire_outputs {
     wired<output_function> y0{};
     wired<output_function> y1{};

@@ -47,7 +47,8 @@ template <std::size_t Counters> class epoch_counters {
         ++losses_;
         count_miss_of_all();
     }
-    // It counts as `epoch::change` losses, by which a facade tells the two. No miss: what clients have learned of a node holds.
+    // It counts as `epoch::change` losses, by which a facade tells the two. No miss: what clients have learned of a
+    // node holds.
     constexpr void count_change() { losses_ = static_cast<std::uint8_t>(losses_ + epoch::change); }
 
   private:

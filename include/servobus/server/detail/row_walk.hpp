@@ -35,8 +35,8 @@ template <class Values, bool HasProbe> class row_walk {
 
   public:
     static constexpr bool must_probe = has_computed; // a function may do more than compute
-    /// A step of a request that has this word order from its first check to its last store. A step that touches one word
-    /// needs none.
+    /// A step of a request that has this word order from its first check to its last store. A step that touches one
+    /// word needs none.
     static constexpr walk_step in(word_order order, walk_step what) {
         const bool is_marked = can_switch_order && order == word_order::low_first;
         return static_cast<walk_step>(static_cast<u32>(what) | (is_marked ? low_first_flag : 0));

@@ -62,8 +62,8 @@
 // 16  P0D-20 = 1 ends the causes of Er.731, Er.733 and Er.735, 2 also clears the turns. P0D-02, P0D-03,
 //     P0D-11, P31-04, P0C-30, gains, filters and P02-02 have no effect. [`reset_encoder` writes 2; no command
 //     writes the others.]
-// 17  A displacement of a segment is cut to whole counts of the encoder: relative ones lose the rest, up to a count each, so
-//     that many of them drift (`gear_keeps_rest`).
+// 17  A displacement of a segment is cut to whole counts of the encoder: relative ones lose the rest, up to a count
+//     each, so that many of them drift (`gear_keeps_rest`).
 #pragma once
 
 #include <cstdint>

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Examines subject, model and simulated drive before sim/conformance.hpp plays them: what is wrong with all runs is reported
-// once, in a sentence, and nothing is played.
+// Examines subject, model and simulated drive before sim/conformance.hpp plays them: what is wrong with all runs is
+// reported once, in a sentence, and nothing is played.
 //
 //     // A subject whose `restart` was forgotten:
 //     struct forgotten { static void restart(int&) {} };

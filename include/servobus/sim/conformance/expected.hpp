@@ -55,8 +55,8 @@ constexpr expected turns() { return {.what = expected::kind::turns}; }
 constexpr expected moves_to(std::int64_t place) { return {.what = expected::kind::moves_to, .where = place}; }
 /// The motor moves by a way.
 constexpr expected moves_by(std::int64_t way) { return {.what = expected::kind::moves_by, .where = way}; }
-/// The motor searches home. It rests at this place when the command is done, and does not turn on after one that fails: so
-/// that this shows, home is three seconds away.
+/// The motor searches home. It rests at this place when the command is done, and does not turn on after one that fails:
+/// so that this shows, home is three seconds away.
 constexpr expected homes_at(std::int64_t place) { return {.what = expected::kind::homes_at, .where = place}; }
 
 } // namespace servobus::sim

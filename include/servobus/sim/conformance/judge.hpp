@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// The judgement on one run: what the facade reports against what is seen of the drive from outside, when the command has
-// ended, a while later, and once the drive is taken over again. sim/conformance.hpp makes the runs.
+// The judgement on one run: what the facade reports against what is seen of the drive from outside, when the command
+// has ended, a while later, and once the drive is taken over again. sim/conformance.hpp makes the runs.
 //
 //     void report(void*, const sim::finding& f) { std::puts(f.what); } // of any judge
 #pragma once

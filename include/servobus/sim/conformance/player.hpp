@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Plays one command of a drive from its start state, with up to two mishaps, and has it judged. The commands are those that
-// every drive has, from standstill and in motion, then the drive's own. sim/conformance.hpp says which are played.
+// Plays one command of a drive from its start state, with up to two mishaps, and has it judged. The commands are those
+// that every drive has, from standstill and in motion, then the drive's own. sim/conformance.hpp says which are played.
 //
 //     // Each of its runs begins with a new simulated drive:
 //     template <class Subject> using first_of_a_run = sim::trial<Subject>;

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// What the author of a drive says to the judges of sim/conformance.hpp: how the simulated drive is seen from outside, what
-// may happen to it, and the drive's own commands. examples/own_device/own_subject.hpp has one for the winch.
+// What the author of a drive says to the judges of sim/conformance.hpp: how the simulated drive is seen from outside,
+// what may happen to it, and the drive's own commands. examples/own_device/own_subject.hpp has one for the winch.
 //
 //     template <class S> unsigned interpretations() {
 //         static_assert(sim::conformance_subject<S>, "the subject of a drive lacks something");
@@ -36,7 +36,8 @@ concept conformance_subject = requires(typename S::machine& m, const typename S:
     { S::interpretations } -> std::convertible_to<unsigned>; // interpretations of the manual, at least 1
     { S::tolerance } -> std::convertible_to<std::int64_t>;   // of a place, in its counts
     { S::shows(0u) } -> std::same_as<what_shows>;
-    // False for a command, by the name in a finding, that cannot be confirmed under an interpretation, and so must fail.
+    // False for a command, by the name in a finding, that cannot be confirmed under an interpretation, and so must
+    // fail.
     { S::can_be_done(0u, "") } -> std::same_as<bool>;
     { S::energises_by_reset } -> std::convertible_to<bool>; // a fault reset may
     // A stop or a start that meets a drive without power, such as one that has restarted, may energise it.

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Records what one run of a command sends: the last frames on the wire for a finding, and which requests are like others.
-// sim/conformance/trial.hpp notes each byte.
+// Records what one run of a command sends: the last frames on the wire for a finding, and which requests are like
+// others. sim/conformance/trial.hpp notes each byte.
 //
 //     sim::wire_log log;
 //     log.note({.at_us = 90, .value = 0x01, .is_from_client = true}, 1); // a byte of the first request
@@ -57,8 +57,8 @@ class wire_log {
     unsigned writes() const { return writes_; }
     /// How many requests are kept: a wait may send more.
     unsigned requests() const { return known_; }
-    /// True for a read that is like others: between the same two writes there are at least two equal ones before it, and
-    /// one after it. Of those that a wait sends again and again that leaves the first, the second and the last.
+    /// True for a read that is like others: between the same two writes there are at least two equal ones before it,
+    /// and one after it. Of those that a wait sends again and again that leaves the first, the second and the last.
     bool is_repeated(unsigned request) const {
         unsigned before = 0;
         for (unsigned i = request; i != 0 && before < 2 && !sent_[i].is_write; --i)

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Repeats the logging macros that the hardware interface uses (rclcpp 16, Humble; the same in Jazzy). Each message is kept,
-// so that a test can count and compare them.
+// Repeats the logging macros that the hardware interface uses (rclcpp 16, Humble; the same in Jazzy). Each message is
+// kept, so that a test can count and compare them.
 #pragma once
 
 #include <cstdarg>

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Repeats the handles of state and command interfaces (hardware_interface 4.46.0, Jazzy), without their locks, and with values
-// of type double alone.
+// Repeats the handles of state and command interfaces (hardware_interface 4.46.0, Jazzy), without their locks, and with
+// values of type double alone.
 #pragma once
 
 #include <optional>

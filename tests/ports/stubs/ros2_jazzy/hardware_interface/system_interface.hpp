@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Repeats the base class of a hardware with several joints, and its defaults (hardware_interface 4.46.0, Jazzy), without its
-// node, its asynchronous thread and the interfaces that the framework exports itself.
+// Repeats the base class of a hardware with several joints, and its defaults (hardware_interface 4.46.0, Jazzy),
+// without its node, its asynchronous thread and the interfaces that the framework exports itself.
 #pragma once
 
 #include <string>

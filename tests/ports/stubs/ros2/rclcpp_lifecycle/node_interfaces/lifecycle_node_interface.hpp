@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Repeats rclcpp_lifecycle::node_interfaces::LifecycleNodeInterface with its defaults (rclcpp_lifecycle 16, Humble; the same
-// in Jazzy): every callback succeeds but on_error, which fails.
+// Repeats rclcpp_lifecycle::node_interfaces::LifecycleNodeInterface with its defaults (rclcpp_lifecycle 16, Humble; the
+// same in Jazzy): every callback succeeds but on_error, which fails.
 #pragma once
 
 #include <cstdint>
