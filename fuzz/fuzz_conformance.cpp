@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// The winch of the example under the judges of sim/conformance.hpp: command, mishaps and requests from the fuzzer. A target
-// for a drive of one's own is these lines with its own subject.
+// The winch of the example under the judges of sim/conformance.hpp: command, mishaps and requests from the fuzzer. A
+// target for a drive of one's own is these lines with its own subject.
 #include "../examples/own_device/own_subject.hpp"
 
 #include "support.hpp"

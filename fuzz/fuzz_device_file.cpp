@@ -1,8 +1,9 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Any bytes as a file that describes a device, as the tool reads it. A file is refused with its line, in a line of plain
-// text; or its registers are in order and do not contradict themselves, and its map as a file is the same map again.
+// Any bytes as a file that describes a device, as the tool reads it. A file is refused with its line, in a line of
+// plain text; or its registers are in order and do not contradict themselves, and its map as a file is the same map
+// again.
 #include <algorithm>
 #include <cstdint>
 #include <memory>

@@ -1,9 +1,9 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Takes the input as a request and a response to it, of any function: a byte with the request's length, the request, and
-// the response. The checks agree with a judge that is written apart from the library, a response's length is known at
-// each of its bytes as the judge knows it, and an accepted request can be built again byte for byte.
+// Takes the input as a request and a response to it, of any function: a byte with the request's length, the request,
+// and the response. The checks agree with a judge that is written apart from the library, a response's length is known
+// at each of its bytes as the judge knows it, and an accepted request can be built again byte for byte.
 #include <array>
 #include <cstdint>
 #include <vector>

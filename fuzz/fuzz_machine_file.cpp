@@ -1,9 +1,9 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Any bytes as a machine file, and as a file of findings, as the tool reads them. A file is refused with its line, in a line
-// of plain text, and the readers themselves print nothing; or what it says is of its drives' maps and ranges, without a
-// contradiction, and the same file written plainly says the same.
+// Any bytes as a machine file, and as a file of findings, as the tool reads them. A file is refused with its line, in a
+// line of plain text, and the readers themselves print nothing; or what it says is of its drives' maps and ranges,
+// without a contradiction, and the same file written plainly says the same.
 #include <algorithm>
 #include <cstdint>
 #include <string>

@@ -97,8 +97,9 @@ class bench {
                 body.insert(body.begin(), addresses[what / 8 % 4]);
                 ask(body);
             } else {
-                row_model::maker maker{description, in_->byte()};
-                for (unsigned i = 0; i < what / 4; ++i) {
+                // A few of one seed: each of them is a place where the fuzzer can cut and join.
+                row_model::maker maker{description, in_->word()};
+                for (unsigned i = 0; i <= what / 64; ++i) {
                     byte_list body = maker.request();
                     body.insert(body.begin(), maker.one_in(20) ? std::uint8_t{0} : node_address);
                     ask(body);
@@ -184,7 +185,7 @@ class host_bench {
         while (!in_->empty()) {
             const unsigned what = in_->byte();
             pass(fuzz::time_of(in_->byte()));
-            row_model::maker maker{description, in_->byte()};
+            row_model::maker maker{description, in_->word()};
             byte_list body = what % 8 == 0 ? raw(in_->take(in_->byte())) : maker.request();
             if (what % 8 != 0) {
                 constexpr std::uint8_t addresses[] = {node_address, node_address, 0, node_address + 1};

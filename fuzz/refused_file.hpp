@@ -1,7 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Judges a refusal for the fuzzing targets of the tool's files: it is `LINE: why`, of a line that the file has, in plain text.
+// Judges a refusal for the fuzzing targets of the tool's files: it is `LINE: why`, of a line that the file has, in
+// plain text.
 #pragma once
 
 #include <algorithm>

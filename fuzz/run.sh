@@ -70,7 +70,7 @@ export ASAN_OPTIONS="quarantine_size_mb=16:${ASAN_OPTIONS:-}"
 # a byte of the input, and recording the operands would take half of the time. Long inputs mostly repeat what short ones
 # do: they grow by runs, of which these have many. The fuzzer also counts how often each feature occurs, up to a
 # threshold, which costs as much as a run if it is not low.
-makes_frames() { case $1 in line | blocking_line | server | simulators) ;; *) return 1 ;; esac; }
+makes_frames() { case $1 in line | blocking_line | server | row_server | conformance | simulators) ;; *) return 1 ;; esac; }
 
 # one TARGET: builds it and runs it; its line goes to $work/TARGET.line
 one() {

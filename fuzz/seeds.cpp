@@ -207,8 +207,8 @@ void device_files(corpus& to) {
 }
 
 // The format of fuzz/fuzz_functions.cpp: the request's length, the request, the response; and that of
-// fuzz/fuzz_explain.cpp: no direction, room, the length of the frame before it, both frames. The pairs are those that the
-// standard prints.
+// fuzz/fuzz_explain.cpp: no direction, room, the length of the frame before it, both frames. The pairs are those that
+// the standard prints.
 void functions(corpus& to, corpus& explain) {
     struct pair {
         const char* name;
@@ -246,7 +246,8 @@ void functions(corpus& to, corpus& explain) {
     }
 }
 
-// The format of fuzz/fuzz_row_server.cpp: 0 for strict timing, a byte for the clock; then what comes, after which time, and the bytes.
+// The format of fuzz/fuzz_row_server.cpp: 0 for strict timing, a byte for the clock; then what comes, after which time,
+// and the bytes.
 void row_requests(corpus& to) {
     const byte_list requests[]{{1, 0, 0, 0, 4},
                                {2, 0, 7, 0, 3},
@@ -269,7 +270,7 @@ void row_requests(corpus& to) {
                    byte_list{0, 0, low(what), 0x40, low(pdu.size() - 1)} + pdu);
     }
     for (const unsigned seed : {1u, 2u, 3u, 4u})
-        to.add("made_" + std::to_string(seed), {0, low(seed), 0xFF, 0, low(seed)});
+        to.add("made_" + std::to_string(seed), {0, low(seed), 0xFF, 0, 0, low(seed)});
     to.add("pieces", {0, 0, 8, 0, 3, 7, 3, 0, 8, 0x20, 5, 0x10, 0, 1, 1, 2, 8, 0x30, 2, 7, 7});
     // In host timing: what comes, after which time, and a number that makes a request.
     for (unsigned seed = 0; seed < 24; ++seed) {
@@ -279,7 +280,7 @@ void row_requests(corpus& to) {
                                   low(seed % 3 == 0   ? 0x35
                                       : seed % 3 == 1 ? 0x11
                                                       : 0x65),
-                                  low(seed * 30 + i)};
+                                  0, low(seed * 30 + i)};
         to.add("host_" + std::to_string(seed), all);
     }
 }

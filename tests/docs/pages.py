@@ -56,6 +56,15 @@ def lead_somewhere(page):
     expect(not wrong, "\n".join(wrong))
 
 
+def name_all_targets():
+    """The table of fuzzing targets in the page of the tests has each corpus."""
+    table = text_of("tests/README.md").split("## Fuzzing")[1].split("The source of a target")[0]
+    named = {name for row in re.findall(r"(?m)^\| (`.*?) \|", table) for name in re.findall(r"`(\w+)`", row)}
+    there = {folder.name for folder in (ROOT / "fuzz/corpus").iterdir()}
+    expect(named == there, f"named and not there: {named - there}; there and not named: {there - named}")
+
+
+check("tests/README.md names each fuzzing target", name_all_targets)
 blocks = 0
 for page in all_pages():
     check(f"{page}: its links lead somewhere", lead_somewhere, page)

@@ -207,10 +207,16 @@ def said(tool: Tool, name: str, command: str):
     words = {"doctor": "meter.csv:1 --timeout 300 --retries 0", "scan": "--nodes 1 --timeout 150",
              "read": "meter.csv:1 first --timeout 300 --retries 0"}[command]
     with played(**LINES[name]) as port:
-        tool.run(f"{command} {port} {words}")
-        found = plain(tool.last.out + tool.last.err, port)
-        if "unasked" in LINES[name] and found[0] == "- - 1 unknown device":
-            found[0] = "- - 1 not identified"  # as the bytes fall
+        for again in range(10):
+            tool.run(f"{command} {port} {words}")
+            found = plain(tool.last.out + tool.last.err, port)
+            if "unasked" in LINES[name] and found[0] == UNKNOWN:
+                found[0] = "- - 1 not identified"  # as the bytes fall
+            # A busy computer adds that responses are late.
+            if found == SAID[name][command] or not any(re.search("began? after|begin after", line) for line in found):
+                break
+        if again:
+            tool.say(f"        {name}: {command}: repeated {again} times, as this computer was late")
         tool.is_equal(f"{name}: {command}", found, SAID[name][command])
 
 
