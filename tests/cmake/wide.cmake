@@ -27,7 +27,7 @@ check(headers.clang19 LABELS compile COST 60
 check(headers.arm LABELS compile target COST 5
       COMMAND ${python} tests/headers.py --together --without windows --without posix
               arm-none-eabi-g++ -std=c++20 -mcpu=cortex-m0plus -mthumb -Os ${bare})
-foreach(judge g++ clang++ clang-tidy cppcheck)
+foreach(judge g++ clang-tidy cppcheck)
   check(headers.no_warnings.${judge} LABELS compile COST 90 ENVIRONMENT JOBS=1 COMMAND ${python} tests/warnings/programs.py ${judge})
 endforeach()
 check(headers.refuse_cpp17 LABELS compile COST 15 COMMAND ${python} tests/old_standards.py)
