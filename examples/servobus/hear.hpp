@@ -5,6 +5,8 @@
 // wrong with a line.
 #pragma once
 
+#include <utility>
+
 #include "os/port.hpp"
 #include "text/overheard.hpp"
 
@@ -30,17 +32,27 @@ inline overheard hear(any_port& on, servobus::bytes request, servobus::duration 
         if (!is_answered && gone < longest) return false;
         return h.request.empty() || until_second_response <= since(last, on.now());
     };
+    // A gateway may have closed its connection since the last response.
+    bool is_anew = !on.is_network();
+    const auto connects_anew = [&] {
+        if (std::exchange(is_anew, true) || on.reopen() != servobus::errc::ok) return false;
+        sent = 0;
+        has_left = request.empty();
+        begun = last = on.now();
+        return true;
+    };
     while (!is_over()) {
         if (sent != request.size()) {
             const servobus::transfer took = on.send(request.subspan(sent));
-            if (!took) return h;
-            sent += *took;
+            if (!took && !connects_anew()) return h;
+            sent += took ? *took : 0;
         }
         if (!has_left && sent == request.size() && on.sent()) {
             has_left = true;
             begun = on.now();
         }
         const servobus::transfer got = on.receive(room);
+        if (!got && h.came.empty() && connects_anew()) continue;
         if (!got) return h;
         if (*got == 0) {
             on.wait(servobus::milliseconds(1));
@@ -49,7 +61,8 @@ inline overheard hear(any_port& on, servobus::bytes request, servobus::duration 
         last = on.now();
         const servobus::duration at = has_left ? since(begun, last) : servobus::duration{};
         for (std::size_t i = 0; i < *got; ++i) h.came.push_back({at, room[i]});
-        is_answered = is_answered || !parse_overheard(h).responses.empty();
+        const parsed_read so_far = parse_overheard(h);
+        is_answered = is_answered || !so_far.responses.empty() || so_far.of_gateway != 0;
     }
     h.listened = since(begun, on.now());
     return h;

@@ -59,11 +59,16 @@ struct named_drive {
 namespace detail {
 enum class proven : std::uint8_t { yes, no, unanswered };
 
+// By the exceptions of a register that is not there; a busy or failing device does not tell.
+inline bool is_refused(const servobus::finding& f) {
+    return f.what == servobus::presence::present && f.why.exception() != 0 && f.why.exception() <= 3;
+}
+
 template <class Look> proven prove(const identity& of, std::uint8_t node_address, Look& look) {
     const auto judge = [](const servobus::finding& f, bool holds) {
-        return f.has_word                              ? (holds ? proven::yes : proven::no)
-               : f.what == servobus::presence::present ? proven::no // it is refused
-                                                       : proven::unanswered;
+        return f.has_word      ? (holds ? proven::yes : proven::no)
+               : is_refused(f) ? proven::no
+                               : proven::unanswered;
     };
     const servobus::finding own = look(of.own_address);
     if (const proven p = judge(own, own.word == node_address); p != proven::yes) return p;

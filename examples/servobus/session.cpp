@@ -53,11 +53,21 @@ static const char* gateway_words(std::uint8_t number) {
     return number == 0x0A ? "gateway path unavailable" : "gateway target device failed to respond";
 }
 
+// The device's own words, or those of the standard.
+static const char* exception_words(const servobus::profile& facts, std::uint8_t number) {
+    for (const auto& table : {facts.exceptions, any_device::facts.exceptions}) {
+        for (const servobus::exception_meaning& e : table) {
+            if (e.number == number) return e.words;
+        }
+    }
+    return number == 0x0A || number == 0x0B ? gateway_words(number) : "unknown exception";
+}
+
 std::string why_text(const target& of, servobus::status why, const any_port& port) {
     if (std::string words = port.diagnosis(why); !words.empty()) return words;
     if (why.error() == servobus::errc::exception) {
         return "refused, exception " + std::to_string(why.exception()) + " (" +
-               of.facts().meaning(why.exception()) + ")";
+               exception_words(of.facts(), why.exception()) + ")";
     }
     std::string words = servobus::text(why.error());
     if (why.error() == servobus::errc::gateway_exception)

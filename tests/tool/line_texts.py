@@ -112,12 +112,12 @@ UNKNOWN = "- - 1 unknown device"
 
 
 def damaged(what: str, more: str = "") -> dict[str, list[str]]:
-    """`what`: of 3 reads by scan, of 30 by doctor; {0} stands for their number."""
-    came = "{1} bytes came, none a response of node 1 ({0}: " + what + ")" + more
-    size = {"a wrong CRC": 7, "cut short": 4}.get(what, 7 if more else 2)
+    """`what`: of 6 reads by scan, of 30 by doctor; {0} stands for their number."""
+    came = "{1} bytes came, none a response of node 1: of {0} reads {0} " + what + more
+    size = {"with a wrong CRC": 7, "cut short": 4}.get(what, 7 if more else 2)
     return {"doctor": ["refused  " + came.format(30, 30 * size) + f", at 9600 8N1 -> {DAMAGE}: try servobus scan PORT, then "
                        "termination and common ground", NO_USE],
-            "scan": ["- - 1 garbled", "servobus: - -: " + came.format(3, 3 * size) + f": {DAMAGE}"]}
+            "scan": ["- - 1 garbled", "servobus: - -: " + came.format(6, 6 * size) + f": {DAMAGE}"]}
 
 
 SAID: dict[str, dict[str, list[str]]] = {
@@ -125,7 +125,7 @@ SAID: dict[str, dict[str, list[str]]] = {
         "doctor": ["refused  no response, node 1 at 9600 8N1: not a single byte came -> the supply, A and B swapped, the node, "
                    "the rate, the format, or the adapter's direction: try swapping A and B, then servobus scan PORT, and with "
                    "--timeout 500", NO_USE],
-        "scan": ["servobus: no device responds within 150 ms: a slower one needs --timeout 1600; else the supply, A and B "
+        "scan": ["servobus: no device responds within 150 ms: a slower one needs --timeout 500; else the supply, A and B "
                  "swapped, or another rate, format or address"],
         "read": ["servobus: first: no response"]},
     "a response": {"doctor": ["meter.csv:1: nothing found"], "scan": [UNKNOWN], "read": ["first=7"]},
@@ -162,18 +162,18 @@ SAID: dict[str, dict[str, list[str]]] = {
         "scan": [UNKNOWN, f"servobus: - -: 2 bytes came after the response of node 1: {ANOTHER_SENDS}"],
         "read": ["first=7", f"servobus: warning: 2 bytes came beside the responses: {ANOTHER_SENDS}"]},
     "a response to every third request": {
-        "doctor": ["refused  20 of 30 reads have no response (20: not a byte): writes will end as unknown, and setpoints be "
+        "doctor": ["refused  20 of 30 reads have no response, 20 without a byte: writes will end as unknown, and setpoints be "
                    "late; the others begin within T ms -> check wires, termination, common ground and supply; a longer "
                    "--timeout is no help", NO_USE],
         "scan": [UNKNOWN, "servobus: - -: node 1 gave no response to the first request: a bad line, or a device that responds "
                  "now and then; doctor counts it", "servobus: - -: 6 of 9 reads of node 1 had no valid response: check wires, "
                  "termination, common ground and supply; doctor counts them"],
         "read": ["servobus: first: no response"]},
-    "a wrong CRC": {**damaged("a wrong CRC"), "read": ["servobus: first: wrong CRC"]},
+    "a wrong CRC": {**damaged("with a wrong CRC"), "read": ["servobus: first: wrong CRC"]},
     "a begin": {**damaged("cut short"), "read": ["servobus: first: the response stopped half-way"]},
-    "a response of node 2": {**damaged("bytes that are no response", ", but frames of node 2"),
+    "a response of node 2": {**damaged("with other bytes", ", but frames of node 2"),
                              "read": ["servobus: first: 7 bytes came, none a response of node 1"]},
-    "two bytes": {**damaged("bytes that are no response"),
+    "two bytes": {**damaged("with other bytes"),
                   "read": ["servobus: first: 2 bytes came, none a response of node 1"]},
     "the request": {
         "doctor": ["refused  what came is the request's own echo, and no response after it -> servobus doctor PORT "

@@ -46,13 +46,13 @@ LINE = {
                                          ends_it=True, scan_says="had two responses"),
     "an adapter that echoes": Trouble("the request's own echo comes before each response -> .*--echo on",
                                       {"is_echoing": True}, ends_it=True, scan_says="try --echo on"),
-    "every third request is answered": Trouble("have no response",
+    "every third request is answered": Trouble("ha(ve|s) no response",
                                                {"answers_every": 3}),
-    "a lossy line": Trouble("have no response|the line or the device fails now and then", {"lost": 0.1, "damaged": 0.06}),
+    "a lossy line": Trouble("ha(ve|s) no response|it fails now and then", {"lost": 0.1, "damaged": 0.06}),
     "a byte each 30 ms": Trouble("came in .* ms while nothing was asked", {"byte_each": 0.03}, ends_it=True,
-                                 also="have no response|bytes? came beside", scan_says="while nothing was asked"),
+                                 also="ha(ve|s) no response|it fails now and then|bytes? came beside", scan_says="while nothing was asked"),
     "another master": Trouble("frames? came in .*first of node 7: another master or program", {"master_each": 0.06}, ends_it=True,
-                              also="have no response|bytes? came beside", scan_says="first of node 7: another master"),
+                              also="ha(ve|s) no response|it fails now and then|bytes? came beside", scan_says="first of node 7: another master"),
 }
 DRIVE = {
     "a stop input": Trouble("an emergency stop is active", in_drive="input_polarity=x0"),
@@ -153,7 +153,7 @@ def nobody(tool: Tool):
         with troubled_line([tool.folder / "first"], Troubles()) as port:
             found_alone(tool, "nobody", f"doctor {port} zlac8015d:1", SILENCE)
             found_alone(tool, "nobody", f"scan {port} --nodes 1-3", "no device responds within 50 ms: a slower one needs "
-                        "--timeout 600; else the supply, A and B swapped, or another rate, format or address")
+                        "--timeout 500; else the supply, A and B swapped, or another rate, format or address")
             found_alone(tool, "nobody", f"read {port} zlac8015d:1 bus_voltage", "bus_voltage: no response$")
         with troubled_line([tool.folder / "first"], Troubles(is_echoing=True)) as port:
             found_alone(tool, "the echo alone", f"doctor {port} zlac8015d:1", "what came is the request's own echo, and no "

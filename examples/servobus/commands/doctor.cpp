@@ -44,6 +44,7 @@ class consultation {
 
     int run(bool is_first) {
         if (const int status = on_.open(port_.c_str()); status != done) return status;
+        on_.wait_for_port(servobus::milliseconds(2000));
         if (is_first) {
             diagnosis::judge_port(to_, port_);
             ear_.listen();
@@ -78,9 +79,39 @@ class consultation {
         if (ear_.account().answered < ear_.account().asked) (void)be_patient();
         held.on = facts_of_line();
         if (!read(held, diagnosis::rows_of(e.checks, *of_->kind->map), &e.checks)) return end();
+        if (is_foreign(held, diagnosis::rows_of(e.checks, *of_->kind->map))) return end();
         for (const diagnosis::check* c : diagnosis::find(e.checks, held))
             to_.finding(*c, held, *of_->kind->map);
         return end();
+    }
+
+    // A device whose registers hold what the drive's cannot is another one: findings about them would be about nothing.
+    bool is_foreign(const held_registers& held, std::span<const servobus::entry* const> rows) {
+        constexpr std::size_t most = 2; // of a real drive: a word that its manual leaves out
+        std::size_t read = 0, outside = 0, alike = 0;
+        for (const servobus::entry* e : rows) {
+            if (!held.has(e->address) || !e->limits.is_stated) continue;
+            ++read;
+            const u32 bits =
+                e->words() == 1 ? held.word(e->address) : static_cast<u32>(held.pair(e->address));
+            outside += !e->takes(e->number(bits));
+            alike += bits == held.word(rows[0]->address);
+        }
+        constexpr std::size_t fewest = 8; // of which no drive holds the same in all
+        const bool has_one_word = read >= fewest && alike == read;
+        if (outside <= most && !has_one_word) return false;
+        const std::string scan = "servobus scan " + port_ + to_.echo_option() + " --nodes " +
+                                 std::to_string(of_->node) + " --identify";
+        if (has_one_word) {
+            to_.refuse("all of " + counted(read, "register") + " hold the same word: it is no " +
+                           of_->kind->word(),
+                       scan);
+            return true;
+        }
+        to_.refuse(std::to_string(outside) + " of " + counted(read, "register") + " hold what a " +
+                       of_->kind->word() + " does not take: it is another device, or its bytes are exchanged",
+                   scan);
+        return true;
     }
 
     int examine_any() {

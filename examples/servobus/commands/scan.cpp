@@ -101,7 +101,7 @@ int scan_at(const char* path, std::uint32_t baud, const std::string& format, pla
 
 std::string words_on_nobody(const plan& p, bool is_network) {
     const std::string limit = std::to_string(p.limits.response.us / 1000);
-    const std::string longer = std::to_string(timeout_for(p.limits.response * 5u));
+    const std::string longer = is_network ? "2000" : "500";
     return "no device responds within " + limit + " ms: a slower one needs --timeout " + longer +
            (is_network ? "; the gateway is connected, and may serve one client at a time"
                        : "; else the supply, A and B swapped, or another rate, format or address");

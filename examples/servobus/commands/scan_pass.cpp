@@ -38,7 +38,8 @@ introduced introduce(scanned_line& on, std::uint8_t node_address, const plan& p,
         for (unsigned i = 0; i < tries; ++i) {
             f = look_for(on, node_address, limits, address, gaps);
             ++who.asked;
-            if (f.what == presence::present || f.what == presence::failed) break;
+            const bool is_busy = f.why.exception() > 3;
+            if ((f.what == presence::present && !is_busy) || f.what == presence::failed) break;
             ++who.lost;
         }
         return f;
@@ -144,12 +145,25 @@ int scan_pass::look_at(std::uint8_t node) {
 
 // Says of the first one what it is.
 int scan_pass::garbled(std::uint8_t node) {
+    if (!heard_.unasked.empty()) return done; // what is garbled here is not of this address
     if (!std::exchange(is_damage_said_, true)) {
         line_account heard;
         const auto request = servobus::modbus::read_frame(node, 0, 1);
-        constexpr unsigned reads = 3;
+        constexpr unsigned reads = 6;
         for (unsigned i = 0; i < reads; ++i)
             heard.add(hear(*port_, request, p_->limits.response), p_->limits.response);
+        if (heard.paused != 0) {
+            say(words_on_pause(heard) + ": give --inter-byte " + std::to_string(pause_for(heard)) +
+                " with every command");
+            return print(node, "garbled");
+        }
+        if (heard.answered != 0) {
+            say(std::to_string(heard.damaged + heard.silent) + " of " + counted(heard.asked, "read") +
+                " of node " + std::to_string(node) +
+                " had no valid response: check wires, termination, common ground and supply");
+            is_damage_said_ = false; // of another address
+            return present(node, p_->limits);
+        }
         if (heard.damaged != 0) {
             say(words_on_damage(heard, "node " + std::to_string(node)) +
                 ": another rate or format, two devices at one address, another program, or noise");

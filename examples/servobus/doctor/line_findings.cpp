@@ -42,6 +42,7 @@ line_terms terms_of(const report& to, const std::string& port, const target& of,
     t.without_echo = drop_option(to.command("doctor"), "echo");
     t.with_echo = to.command("doctor", "--echo on");
     t.with_timeout = drop_option(to.command("doctor"), "timeout") + " --timeout ";
+    t.with_pause = drop_option(to.command("doctor"), "inter-byte") + " --inter-byte ";
     t.scan = "servobus scan " + port + to.echo_option();
     return t;
 }
@@ -73,14 +74,20 @@ void line_hearing::ask(unsigned count, const servobus::entry& row, servobus::tab
         const bool is_first = account_.asked < until_dead;
         if (!is_first && account_.silent == account_.asked) return;
         const servobus::duration longest =
-            is_first ? limit + milliseconds(1000) : std::max(limit + milliseconds(300), account_.most() * 2u);
-        account_.add(on_->hear(request, longest), limit);
+            account_.asked == 0
+                ? limit + milliseconds(3000) // a response that is later than this is taken for two
+            : is_first ? limit + milliseconds(1000)
+                       : std::max(limit + milliseconds(300), account_.most() * 2u);
+        account_.add(on_->hear(request, longest), limit, on_->timing().visible_gap());
     }
 }
 
 void explain_silence(report& to, const std::string& port, const target& of, servobus::status why, session& on,
                      line_hearing& ear, const asked_row& asked) {
     const std::string what = why_text(of, why, on);
+    constexpr std::uint8_t last_of_request = 3; // illegal function, address, value
+    if (why.error() == errc::exception && why.exception() > last_of_request)
+        return to.refuse("the device responds, and " + what, "ask again: " + to.command("doctor"));
     if (why.error() == errc::exception) {
         to.refuse("the device responds, and " + what + ": perhaps it is another device than " +
                       of.kind->word(),
@@ -94,14 +101,17 @@ void explain_silence(report& to, const std::string& port, const target& of, serv
                                    ? "end its other clients, then " + to.command("doctor")
                                    : "plug the adapter in, and check its cable");
     }
-    (void)on.hear(
-        {}, std::max(on.response_limit(), milliseconds(300))); // a late response belongs to no later read
+    (void)on.hear({}, on.response_limit() + milliseconds(1500)); // a late response belongs to no later read
     ear.ask(reads, *asked.row, asked.in);
     const std::vector<remark> remarks = remarks_on(ear.account(), terms_of(to, port, of, on));
     if (remarks.empty()) {
         return to.refuse(what + ", node " + std::to_string(of.node) + ' ' + setting_of(on) +
-                             "; then all of " + counted(ear.account().asked, "read") + " had a response",
-                         "the line or the device fails now and then: ask again, " + to.command("doctor"));
+                             "; then all of " + counted(ear.account().asked, "read") +
+                             " of one register, with pauses between them, had a response",
+                         "it fails now and then; or with several registers at once: termination, " +
+                             drop_option(to.command("doctor"), "inter-byte") + " --inter-byte 100" +
+                             "; or right after a response: " + drop_option(to.command("doctor"), "gap") +
+                             " --gap 25");
     }
     to.refuse(remarks[0].what, remarks[0].act);
     for (std::size_t i = 1; i < remarks.size(); ++i) to.warn(remarks[i].what, remarks[i].act);
@@ -111,12 +121,12 @@ void judge_responses(report& to, const std::string& port, const target& of, sess
                      const asked_row& asked) {
     ear.ask(reads, *asked.row, asked.in);
     const line_account& heard = ear.account();
-    const std::string allowed = std::to_string(on.response_limit().us / 1000) + " ms that are allowed";
+    const std::string allowed = std::to_string(on.response_limit().us / 1000) + " ms are allowed";
     if (heard.answered != 0) {
         to.line(std::to_string(heard.answered) + " of " + counted(heard.asked, "read") + ' ' +
-                setting_of(on) + " have a response, which begins after " + ms_text(heard.least()) + ", " +
-                ms_text(heard.median()) + ", " + ms_text(heard.most()) + " ms (least, median, most) of the " +
-                allowed);
+                setting_of(on) + (heard.answered == 1 ? " has" : " have") +
+                " a response, which begins after " + ms_text(heard.least()) + ", " + ms_text(heard.median()) +
+                ", " + ms_text(heard.most()) + " ms (least, median, most); " + allowed);
     }
     const std::vector<remark> remarks = remarks_on(heard, terms_of(to, port, of, on));
     for (const remark& r : remarks) heard.is_reliable() ? to.warn(r.what, r.act) : to.refuse(r.what, r.act);

@@ -16,9 +16,11 @@ remark on_silence(const line_account& heard, const line_terms& terms) {
     const std::string who = ", " + terms.who + ' ' + terms.setting;
     if (terms.is_network) {
         return {"no response" + who + ": the gateway is connected, and not a single byte came",
-                "it may serve one client at a time: end the others; the node, and the rate and format that "
-                "the gateway has; a longer --timeout, 2000: " +
-                    terms.scan};
+                "it may serve one client at a time: end the others; the node, the protocol (tcp:// or "
+                "mbap://), and the "
+                "rate and format that the gateway has: " +
+                    terms.scan + " --nodes " + terms.who.substr(terms.who.rfind(' ') + 1) +
+                    " --timeout 2000"};
     }
     const bool has_echo = heard.echoed != 0;
     return {(has_echo ? "no response" + who + ": the request's own echo came, and not a single byte after it"
@@ -29,16 +31,16 @@ remark on_silence(const line_account& heard, const line_terms& terms) {
                 terms.scan + ", and with --timeout 500"};
 }
 
-// `2: a wrong CRC, 1: cut short`
+// `2 with a wrong CRC, 1 cut short`
 std::string damage_text(const line_account& heard) {
     const std::pair<unsigned, const char*> kinds[] = {
-        {heard.silent, "not a byte"},
-        {heard.bad_crc, "a wrong CRC"},
+        {heard.silent, "without a byte"},
+        {heard.bad_crc, "with a wrong CRC"},
         {heard.cut, "cut short"},
-        {heard.damaged - heard.bad_crc - heard.cut, "bytes that are no response"}};
+        {heard.damaged - heard.bad_crc - heard.cut, "with other bytes"}};
     std::string all;
     for (const auto& [count, what] : kinds) {
-        if (count != 0) all += (all.empty() ? "" : ", ") + std::to_string(count) + ": " + what;
+        if (count != 0) all += (all.empty() ? "" : ", ") + std::to_string(count) + " " + what;
     }
     return all;
 }
@@ -66,14 +68,21 @@ std::string words_on_unasked(const line_account& heard) {
 }
 
 std::string words_on_damage(const line_account& heard, const std::string& who) {
-    std::string what = counted(heard.strays.size(), "byte") + " came, none a response of " + who + " (" +
-                       damage_text(heard) + ")";
+    std::string what = counted(heard.strays.size(), "byte") + " came, none a response of " + who + ": of " +
+                       counted(heard.asked, "read") + ' ' + damage_text(heard);
     for (const found_frame& f : log_line::find_frames(heard.strays).frames) {
         const std::string other = "node " + std::to_string(f.frame[0]);
         if (other != who) return what + ", but frames of " + other;
     }
     return what;
 }
+
+std::string words_on_pause(const line_account& heard) {
+    return std::to_string(heard.paused) + " of " + counted(heard.asked, "read") +
+           (heard.paused == 1 ? " has" : " have") + " a pause inside the response, of up to " +
+           ms_text(heard.pause) + " ms: a client takes it for its end";
+}
+unsigned pause_for(const line_account& heard) { return heard.pause.us / 1000 * 2 + 1; }
 
 std::string words_on_two_responses(const std::string& who, bool differ) {
     return "a request to " + who + " had two responses" + (differ ? " that differ" : "") +
@@ -108,6 +117,16 @@ std::vector<remark> remarks_on(const line_account& heard, const line_terms& term
                  : "another rate or format, two devices at one address, another program, or noise: try " +
                        terms.scan + ", then termination and common ground"});
     }
+    if (heard.of_gateway != 0) {
+        const char* const what =
+            heard.gateway_exception == 0x0A ? "has no path to it" : "got no response of it";
+        say({std::to_string(heard.of_gateway) + reads + " have exception " +
+                 std::to_string(heard.gateway_exception) + ", by which a gateway says that it " + what,
+             "the node, the supply of the device, the gateway's rate and format, and the wires behind it"});
+    }
+    if (heard.paused != 0)
+        say({words_on_pause(heard),
+             terms.with_pause + std::to_string(pause_for(heard)) + ", and with every command"});
     if (heard.doubled != 0)
         say({words_on_two_responses(terms.who, heard.differing != 0),
              "take one device off the line, and look who responds: " + terms.scan});
@@ -116,10 +135,10 @@ std::vector<remark> remarks_on(const line_account& heard, const line_terms& term
                  " came beside the responses: another program or master sends on this line, or "
                  "it picks up noise",
              "end the other one; then termination, common ground and bias resistors"});
-    const unsigned lost = heard.asked - heard.answered;
+    const unsigned lost = heard.silent + heard.damaged;
     if (is_answered && lost != 0) {
-        std::string what = std::to_string(lost) + reads + " have no response (" + damage_text(heard) +
-                           "): writes will end as unknown, and setpoints be late";
+        std::string what = std::to_string(lost) + reads + (lost == 1 ? " has" : " have") + " no response, " +
+                           damage_text(heard) + ": writes will end as unknown, and setpoints be late";
         if (heard.late == 0) what += "; the others begin within " + ms_text(heard.most()) + " ms";
         say({what, std::string{check_wires} + (heard.late == 0 ? "; a longer --timeout is no help" : "")});
     }

@@ -22,6 +22,7 @@ struct line_terms {
     std::string with_echo{};
     std::string without_echo{};
     std::string with_timeout{}; ///< without the number, at its end
+    std::string with_pause{};   ///< the same with `--inter-byte`
     std::string scan{};
 };
 
@@ -44,6 +45,10 @@ std::string words_on_unasked(const line_account& heard);
 
 /// Bytes in place of responses.
 std::string words_on_damage(const line_account& heard, const std::string& who);
+
+/// A response in pieces, and an --inter-byte for it.
+std::string words_on_pause(const line_account& heard);
+unsigned pause_for(const line_account& heard);
 
 /// Two responses to one request. `differ`: in their bytes.
 std::string words_on_two_responses(const std::string& who, bool differ);

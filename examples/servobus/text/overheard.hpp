@@ -54,6 +54,8 @@ inline std::size_t response_size_to(servobus::bytes request, servobus::bytes fro
 struct parsed_read {
     bool is_echoed = false;                      ///< the request itself came first
     std::vector<servobus::duration> responses{}; ///< when each of them began
+    servobus::duration pause{};                  ///< the longest inside a response
+    std::uint8_t of_gateway = 0;                 ///< its exception number, 0Ah or 0Bh: it got no response
     bool differ = false;                         ///< two of the responses
     frame_bytes others{};                        ///< what is neither
     bool has_bad_crc = false;                    ///< of these: a response but for its CRC
@@ -79,6 +81,13 @@ inline parsed_read parse_overheard(const overheard& of) {
             continue;
         }
         const servobus::bytes response = came.subspan(i, size);
+        for (std::size_t k = i + 1; k < i + size; ++k)
+            parsed.pause = servobus::longer_of(parsed.pause, of.came[k].at - of.came[k - 1].at);
+        if (response[1] != of.request[1] && (response[2] == 0x0A || response[2] == 0x0B)) {
+            parsed.of_gateway = response[2];
+            i += size;
+            continue;
+        }
         if (parsed.responses.empty()) first.assign(response.begin(), response.end());
         parsed.differ =
             parsed.differ || !std::equal(response.begin(), response.end(), first.begin(), first.end());
@@ -106,6 +115,10 @@ struct line_account {
     unsigned damaged = 0;                   ///< bytes, and no response among them
     unsigned bad_crc = 0;                   ///< of these: a response but for its CRC
     unsigned cut = 0;                       ///< of these: the begin of a response
+    unsigned of_gateway = 0;                ///< a gateway's exception in place of a response
+    std::uint8_t gateway_exception = 0;     ///< its number
+    unsigned paused = 0;                    ///< a response with a longer pause inside than the limit
+    servobus::duration pause{};             ///< the longest one
     unsigned silent = 0;                    ///< not a byte but for an echo
     unsigned beside = 0;                    ///< bytes beside a response
     std::vector<servobus::duration> took{}; ///< until a response began, in order of length
@@ -113,7 +126,9 @@ struct line_account {
     servobus::duration listened{};          ///< so long
     frame_bytes strays{};                   ///< all that is no response to what was asked
 
-    void add(const overheard& of, servobus::duration limit) {
+    /// `limit`: how long a response may take to begin; `longest_pause`: inside it.
+    void add(const overheard& of, servobus::duration limit,
+             servobus::duration longest_pause = servobus::milliseconds(20)) {
         const parsed_read r = parse_overheard(of);
         const auto count = static_cast<std::size_t>(std::count_if(
             r.others.begin(), r.others.end(), [](std::uint8_t b) { return b != 0 && b != 0xFF; }));
@@ -129,8 +144,12 @@ struct line_account {
         answered += !r.responses.empty();
         doubled += r.responses.size() > 1;
         differing += r.differ;
-        silent += r.responses.empty() && r.others.empty();
-        damaged += r.responses.empty() && !r.others.empty();
+        of_gateway += r.of_gateway != 0;
+        if (r.of_gateway != 0) gateway_exception = r.of_gateway;
+        paused += longest_pause < r.pause;
+        pause = servobus::longer_of(pause, r.pause);
+        silent += r.responses.empty() && r.others.empty() && r.of_gateway == 0;
+        damaged += r.responses.empty() && !r.others.empty() && r.of_gateway == 0;
         bad_crc += r.has_bad_crc;
         cut += r.is_cut;
         if (!r.responses.empty()) {
