@@ -378,4 +378,14 @@ TEST_CASE("G29: the bound of a call is that of its gaps, its request and its res
           600'000 + 512 * 1146 + send + 90'000);
 }
 
+TEST_CASE("G28: a silent node is not due twice in a window, however short a plan makes it") {
+    for (const std::uint32_t window_ms : {1u, 50u, 130u, 500u}) {
+        CAPTURE(window_ms);
+        other_requests others;
+        REQUIRE(others.is_due(3, instant{10'000'000}, milliseconds(window_ms)));
+        others.note(3, false);
+        CHECK_FALSE(others.is_due(3, instant{10'000'100}, milliseconds(window_ms)));
+    }
+}
+
 } // namespace figures_tests

@@ -260,4 +260,17 @@ TEST_CASE("G21: another facade of the drive that sets a cached row, or takes the
     CHECK_FALSE(r.model.enabled());
 }
 
+TEST_CASE("G21: an axis that moves is not stopped by a setting of another client") {
+    simulated::closed_axis a;
+    enabled_yako::take(a);
+    REQUIRE(a.drive.run(yako::velocity{60 * r_per_min}));
+    client other{a.line, node<yako::closed_loop::device>{1}};
+    REQUIRE(other.write<yako::microstep_resolution>(1000));
+    a.requests.clear();
+    for (int i = 0; i < 2000; ++i) a.turn();
+    CHECK(a.drive.state() == drive_state::needs_init);
+    CHECK(a.requests.empty());
+    CHECK(a.is_moving());
+}
+
 } // namespace after_changed_settings_tests

@@ -269,4 +269,22 @@ TEST_CASE("G21: other rows, reads, and writes that do not leave change nothing f
     CHECK(r.model.peek(0x2088) == 30);
 }
 
+TEST_CASE("G21: a setting whose response is lost makes the settings of another facade stale too") {
+    unsigned unknown = 0;
+    for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+        CAPTURE(seed);
+        simulated::driven_c630s r{{}, seed};
+        REQUIRE(r.make_ready());
+        c630s::drive other{r.line, 1, unsupervised};
+        REQUIRE(other.run(init{}));
+        r.wire.faults().lost_response = 500;
+        const auto how = r.drive.run(c630s::set<c630s::brake_on_to_command_delay>{300 * millisecond});
+        r.wire.faults() = {};
+        if (how.outcome() != outcome::unknown) continue;
+        ++unknown;
+        CHECK(other.begin(enable{}) == errc::needs_init);
+    }
+    CHECK(unknown > 2);
+}
+
 } // namespace changed_settings_tests

@@ -330,6 +330,18 @@ TEST_CASE("G34: a limit input that is active is the cause of a stop, also beyond
     }
 }
 
+TEST_CASE("G34: a move that a command has cut was stopped by that, though a limit switch is active") {
+    closed_axis a;
+    take(a);
+    REQUIRE(a.drive.run(move_by{50'000 * pulse, brisk}));
+    REQUIRE(a.drive.run(halt{}));
+    a.model.set_input(1, true); // X1 is the positive limit from the factory
+    a.wire.pass(milliseconds(50));
+    CHECK(a.drive.run(wait_reached{}).error() == errc::stopped_short);
+    CHECK(a.drive.arrival().how == arrival_state::stopped_short);
+    CHECK(a.drive.arrival().cause == stop_cause::command);
+}
+
 TEST_CASE("G34: a place is no end of the counter's range to a move that goes back from it") {
     cached_settings known{};
     known.state = drive_state::enabled;

@@ -266,6 +266,18 @@ TEST_CASE("bad input: nothing is sent") {
     CHECK(r.to({2148_m, quick}) == arrival_state::none); // not that of the move before
 }
 
+TEST_CASE("G42: a speed of a profile that rounds to no r/min is refused, whichever it is") {
+    const axis_profile starts_slowly{
+        .top = 50_mm_per_s, .acceleration = 50_ms, .deceleration = 50_ms, .start = 10_um_per_s};
+    axis_profile is_slow = quick;
+    is_slow.top = 10_um_per_s; // 0.12 r/min
+    for (const axis_profile& crawl : {starts_slowly, is_slow}) {
+        ready<closed> r{screw};
+        CHECK(r.drive.begin(travel_by{1_mm, crawl}) == errc::out_of_range);
+        CHECK(r.drive.begin(travel_to{1_mm, crawl}) == errc::out_of_range);
+    }
+}
+
 TEST_CASE("an axis moves while a button is held") {
     ready<closed> r{turned};
     for (int i = 0; i < 20; ++i) {

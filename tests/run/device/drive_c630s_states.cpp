@@ -476,4 +476,25 @@ TEST_CASE("S4: after a start without a response, motion is seen also in reverse 
     }
 }
 
+TEST_CASE("G26: a command that a fault has ended stays failed, however many responses are lost to its stop") {
+    for (const std::uint32_t lost : {1u, 5u, 10u, 15u, 20u, 25u, 30u, 35u, 40u, 50u, 59u}) {
+        CAPTURE(lost);
+        rig r;
+        REQUIRE(r.make_ready());
+        REQUIRE(r.drive.run(enable_in{control_mode::position}));
+        REQUIRE(r.drive.run(segment{1, 50'000 * reference_unit, 600 * r_per_min}));
+        REQUIRE(r.drive.run(start_segment{1}));
+        REQUIRE(r.drive.begin(wait_reached{}) == errc::ok);
+        r.loop(200);
+        r.model.raise(0x620);
+        while (r.drive.state() != drive_state::faulted && !r.drive.is_idle()) r.turn();
+        const std::uint32_t first = r.wire.requests();
+        while (!r.drive.is_idle()) {
+            r.wire.faults().lost_response = r.wire.requests() - first < lost ? 1000 : 0;
+            r.turn();
+        }
+        CHECK_FALSE(r.drive.last());
+    }
+}
+
 } // namespace drive_c630s_states_tests

@@ -70,6 +70,15 @@ TEST_CASE("S4: a start of any kind that is acknowledged and not executed is repo
     CHECK(a.place() == 0);
 }
 
+TEST_CASE("S4: the profile of a move that was not executed is the one that the drive holds") {
+    closed_axis a{{.start_delay = milliseconds(3000)}};
+    take(a);
+    REQUIRE(a.drive.run(move_by{1000 * pulse, brisk}).error() == errc::not_executed);
+    REQUIRE(a.drive.run(halt{}));
+    CHECK(a.drive.run(move_by{1000 * pulse}).error() == errc::not_executed); // by that profile
+    CHECK(a.drive.state() == drive_state::enabled);
+}
+
 TEST_CASE("S4: a move that the drive ignores because a stop input is active is reported as not executed") {
     closed_axis a;
     REQUIRE(a.drive.run(init{}));

@@ -48,6 +48,18 @@ TEST_CASE("4.1: a relative move sends start speed, ramps, speed and target in th
     CHECK(a.model.starts() == 2);
 }
 
+TEST_CASE("4.1: what was seen of a move is known until the next motion is commanded") {
+    closed_axis a;
+    take(a);
+    REQUIRE(a.drive.run(move_by{1000 * pulse, brisk}));
+    REQUIRE(a.drive.motion() == motion_check::seen);
+    REQUIRE(a.drive.read());
+    REQUIRE(a.drive.run(wait_reached{}));
+    CHECK(a.drive.motion() == motion_check::seen);
+    REQUIRE(a.drive.run(set_profile{gentle}));
+    CHECK(a.drive.motion() == motion_check::seen);
+}
+
 TEST_CASE("4.1: a short move that is over before the first read counts as made") {
     for (const std::int32_t way : {1, 2, 6, 7, -8, 20}) {
         closed_axis a;

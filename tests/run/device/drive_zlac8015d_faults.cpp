@@ -537,4 +537,20 @@ TEST_CASE("a fault of a drive that responds is answered by zero targets, then by
     }
 }
 
+TEST_CASE(
+    "G16: a start that gets no response ends as unknown at its register, though a read shows no motion") {
+    rig r;
+    be_enabled_in(r, operating_mode::relative_position);
+    REQUIRE(r.drive.begin(move_by{1000 * pulse, 1000 * pulse}) == errc::ok);
+    while (!r.drive.is_idle()) {
+        const auto& last = r.log.frames.back();
+        const bool is_start = load_word(last, 2) == 0x200E && last[5] == 0x10;
+        if (is_start) r.wire.faults().lost_response = 1000; // and all after it
+        turn(r);
+    }
+    CHECK(r.drive.last().error() == errc::timeout);
+    CHECK(r.drive.last().outcome() == outcome::unknown);
+    CHECK(r.drive.last().register_address() == 0x200E);
+}
+
 } // namespace drive_zlac8015d_faults_tests

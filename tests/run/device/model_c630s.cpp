@@ -368,4 +368,18 @@ TEST_CASE(
     CHECK(m.missing_at(1000).count() == -500);
 }
 
+TEST_CASE("G34: a motor that is blocked is short of its target, though its deviation makes up the rest") {
+    std::array<u16, 16> words{};
+    const slice<const u16> read{words.data(), words.size()};
+    motion_under_way m;
+    m.begin(5000, false, read, word_order::high_first);
+    const status_flags pressing{0x0040}; // VDO7, limited torque, at standstill
+    REQUIRE(m.confirm(pressing, milliseconds(300)) == errc::ok);
+    words[routines::place_word + 1u] = 3000;
+    words[routines::deviation_word + 1u] = 2000;
+    CHECK_FALSE(m.conclude(read, word_order::high_first));
+    CHECK(m.how() == arrival_state::stopped_short);
+    CHECK(m.cause() == stop_cause::blocked);
+}
+
 } // namespace model_c630s_tests

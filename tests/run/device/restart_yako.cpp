@@ -306,4 +306,16 @@ TEST_CASE("S1: a drive that restarts before the start of a homing is not sent th
     CHECK(restarts >= 6);
 }
 
+TEST_CASE("S8: an axis that the program has stopped was stopped by that, though it has restarted since") {
+    closed_axis a;
+    take(a);
+    REQUIRE(a.drive.run(velocity{60 * r_per_min}));
+    REQUIRE(a.drive.run(halt{}));
+    REQUIRE(a.drive.cause() == stop_cause::command);
+    a.model.power_cycle();
+    a.wire.pass(milliseconds(1000));
+    CHECK(a.drive.run(move_by{100 * pulse, brisk}).error() == errc::needs_init);
+    CHECK(a.drive.cause() == stop_cause::command);
+}
+
 } // namespace restart_yako_tests

@@ -238,4 +238,24 @@ TEST_CASE("each wheel is compared with its own encoder") {
     CHECK(r.robot.run(init{}).error() == errc::unexpected_value);
 }
 
+TEST_CASE("a wheel swings by counts of its own encoder") {
+    static constexpr auto uneven =
+        differential::of({.left = wheel, .right = rolling(600_mm, counts_per_turn{16384}), .track = 500_mm});
+    for (const bool is_right : {false, true}) {
+        CAPTURE(is_right);
+        zlac8015d::robot_model m;
+        m.set_base(uneven);
+        zlac8015d::cached_settings known{.state = drive_state::disabled};
+        std::array<std::uint16_t, 11> words{};
+        m.note({.block = 0, .words = words.data(), .taken = instant{1000}, .epoch = 1}, known);
+        REQUIRE(m.pose().is_continuous);
+        // A way of 200 counts without a speed is 4.4 degrees of the right wheel, and 17.6 of the left.
+        const word_pair way = split_words(200, zlac8015d::device::facts.word_order);
+        words[is_right ? 7 : 5] = way.first;
+        words[is_right ? 8 : 6] = way.second;
+        m.note({.block = 0, .words = words.data(), .taken = instant{101'000}, .epoch = 1}, known);
+        CHECK(m.pose().is_continuous == is_right);
+    }
+}
+
 } // namespace robot_tests

@@ -188,4 +188,37 @@ TEST_CASE_TEMPLATE(
     }
 }
 
+TEST_CASE("G21: a broadcast that fails is no miss of any node") {
+    rig r;
+    r.settle();
+    std::array<epoch, 9> before{};
+    for (std::uint8_t n = 1; n < 9; ++n) before[n] = r.on.epoch(n);
+    r.port.never_sent = true;
+    CHECK(r.run(tests::framed({0x00, 0x06, 0x20, 0x0E, 0x00, 0x07})).why.error() == errc::partial_send);
+    for (std::uint8_t n = 1; n < 9; ++n) {
+        CAPTURE(n);
+        CHECK(r.on.epoch(n) == before[n]);
+        CHECK(r.on.is_echo_ruled_out(n));
+    }
+}
+
+TEST_CASE("G1: a stop in a quarantine that gets no response is followed by the quarantine of its own node") {
+    for (const std::uint32_t of_stop : {30u, 250u}) {
+        CAPTURE(of_stop);
+        rig r;
+        r.settle();
+        r.gaps.quarantine = milliseconds(30);
+        CHECK(r.run(read_one).why.error() == errc::timeout);
+        r.priority = priority::stop;
+        r.gaps.quarantine = milliseconds(of_stop);
+        CHECK(r.run(write_one).why.error() == errc::timeout);
+        const std::uint64_t ended = r.port.time;
+        r.priority = priority::ordinary;
+        r.gaps.quarantine = milliseconds(30);
+        r.port.device = answering(500);
+        CHECK(r.run(read_one).why.error() == errc::ok);
+        CHECK(r.port.frames[2].begin >= ended + of_stop * 1000u - 10);
+    }
+}
+
 } // namespace line_steps_tests
