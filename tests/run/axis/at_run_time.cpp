@@ -293,20 +293,23 @@ TEST_CASE("any two wheels that are taken have speeds within the bound") {
         ++made;
         const std::int32_t um_per_s = any_count(random), urad_per_s = any_count(random);
         const twist t{um_per_s * units::micrometre_per_second, urad_per_s * units::microradian_per_second};
-        const wheel_speeds both = base->wheels(t, 10, 3000);
+        const std::int32_t limit = i % 2 == 0 ? 3000 : 32'767;
+        const std::int32_t per = i % 3 == 0 ? 1 : 10;
+        const wheel_speeds both =
+            base->wheels(t, static_cast<std::uint32_t>(per), static_cast<std::uint32_t>(limit));
         const auto exact = [&](const feed& w, int sign) {
             const long double turn =
                 static_cast<long double>(urad_per_s) / 1e6L * static_cast<long double>(track.count()) / 2000;
             const long double both_um_per_s = static_cast<long double>(um_per_s) + sign * turn;
             return both_um_per_s * 60 * 1000 * w.ratio().motor_turns / static_cast<long double>(w.travel()) *
-                   10;
+                   per;
         };
         long double l = exact(*left, -1), r = exact(*right, 1);
         const auto size = [](long double v) { return v < 0 ? -v : v; };
         const long double most = size(l) > size(r) ? size(l) : size(r);
-        if (most > 3000) {
-            l *= 3000 / most;
-            r *= 3000 / most;
+        if (most > static_cast<long double>(limit)) {
+            l *= static_cast<long double>(limit) / most;
+            r *= static_cast<long double>(limit) / most;
         }
         CAPTURE(left->travel());
         CAPTURE(right->travel());
@@ -314,15 +317,15 @@ TEST_CASE("any two wheels that are taken have speeds within the bound") {
         CAPTURE(um_per_s);
         CAPTURE(urad_per_s);
         // Half a um/s is lost, too.
-        const auto bound = [](const feed& w) {
-            return 1.5L + 0.5L * 600'000 * w.ratio().motor_turns / static_cast<long double>(w.travel());
+        const auto bound = [per](const feed& w) {
+            return 1.5L + 0.5L * 60'000 * per * w.ratio().motor_turns / static_cast<long double>(w.travel());
         };
         CHECK(size(static_cast<long double>(both.left) - l) <= bound(*left));
         CHECK(size(static_cast<long double>(both.right) - r) <= bound(*right));
-        CHECK(both.left <= 3000);
-        CHECK(both.left >= -3000);
-        CHECK(both.right <= 3000);
-        CHECK(both.right >= -3000);
+        CHECK(both.left <= limit);
+        CHECK(both.left >= -limit);
+        CHECK(both.right <= limit);
+        CHECK(both.right >= -limit);
     }
     MESSAGE(made, " made, ", refused, " refused");
     CHECK(made > 200);

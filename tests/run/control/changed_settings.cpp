@@ -287,4 +287,26 @@ TEST_CASE("G21: a setting whose response is lost makes the settings of another f
     CHECK(unknown > 2);
 }
 
+TEST_CASE("G21: a setting that a facade refuses leaves the settings of another facade") {
+    rig r;
+    REQUIRE(r.drive.run(init{}));
+    zlac8015d::drive other{r.line, 1, unsupervised};
+    REQUIRE(other.run(init{}));
+    REQUIRE(r.drive.run(init{}));
+    REQUIRE(r.drive.run(enable{}));
+    REQUIRE(other.run(init{})); // the drive is disabled again
+    REQUIRE(r.drive.run(init{}));
+    const auto wanted = zlac8015d::set<zlac8015d::max_motor_speed>{500};
+    REQUIRE(r.drive.begin(enable{}) == errc::ok);
+    CHECK(r.drive.begin(wanted) == errc::busy);
+    CHECK(r.drive.run(wanted).error() == errc::busy);
+    while (!r.drive.is_idle()) {
+        const duration idle = r.drive.step();
+        r.wire.wait(idle.us == 0 ? microseconds(10) : idle);
+    }
+    CHECK(r.drive.begin(wanted) == errc::wrong_state);
+    CHECK(other.state() == drive_state::disabled);
+    CHECK(other.begin(zlac8015d::read_feedback{}) == errc::ok);
+}
+
 } // namespace changed_settings_tests

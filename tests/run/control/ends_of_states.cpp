@@ -71,4 +71,31 @@ TEST_CASE("G16: a command that is given up while a read of it is on the wire has
     CHECK(r.drive.last().outcome() == outcome::not_sent);
 }
 
+TEST_CASE("G26: a stop that was not confirmed is repeated as what it was") {
+    using namespace units;
+    for (const bool is_disable : {false, true}) {
+        CAPTURE(is_disable);
+        simulated::driven_zlac8015d r{{},
+                                      {.feedback = milliseconds(50), .command_timeout = no_command_timeout}};
+        REQUIRE(r.drive.run(init{}));
+        REQUIRE(r.drive.run(zlac8015d::watchdog{8000 * millisecond}));
+        REQUIRE(r.drive.run(enable{}));
+        REQUIRE(r.drive.run(zlac8015d::velocity{60 * r_per_min, -90 * r_per_min}));
+        r.drive.repeat_stops(milliseconds(300));
+        r.wire.faults().lost_request = 1000;
+        if (is_disable)
+            REQUIRE_FALSE(r.drive.run(disable{}));
+        else
+            REQUIRE_FALSE(r.drive.run(quick_stop{}));
+        REQUIRE(r.model.enabled());
+        r.wire.faults() = {};
+        r.log.frames.clear();
+        loop(r, 1500);
+        CHECK(r.sent(modbus::write_frame(1, 0x200E, u16{0x05})) == (is_disable ? 0u : 1u));
+        CHECK_FALSE(r.model.enabled());
+        CHECK(r.model.stands_still());
+        CHECK(r.drive.cause() == stop_cause::command);
+    }
+}
+
 } // namespace ends_of_states_tests

@@ -404,4 +404,19 @@ TEST_CASE("last() of a command that is refused by run() is its refusal, but not 
     CHECK(r.drive.last());
 }
 
+TEST_CASE(
+    "G26: a stop of the command timeout has its three tries, however many the program's stop has used") {
+    rig r;
+    r.drive.repeat_stops(milliseconds(10'000));
+    r.drive.set_command_timeout(milliseconds(100));
+    REQUIRE(r.drive.run(move));
+    r.ignores = 5;
+    CHECK(r.drive.run(halting).error() == errc::unexpected_value); // after three tries
+    r.file.words[0x0100] = 100;
+    r.port.frames.clear();
+    r.loop(150);
+    CHECK(r.halts() == 3);
+    CHECK(r.file.words[0x0100] == 0);
+}
+
 } // namespace facade_tests

@@ -450,4 +450,18 @@ TEST_CASE("G29: a command ends although the drive responds to the witness and ne
     CHECK(reads_of(r, 0x0100) >= 1);
 }
 
+TEST_CASE("G28: an absent drive is asked once a second, however long it is absent") {
+    rig r{milliseconds(20)};
+    REQUIRE(r.drive.run(take_over));
+    r.is_mute = true;
+    r.loop(2000);
+    for (int i = 0; i < 300; ++i) {
+        CAPTURE(i);
+        r.port.frames.clear();
+        r.loop(1100);
+        CHECK(r.drive.is_absent());
+        CHECK(r.port.frames.size() <= 2);
+    }
+}
+
 } // namespace facade_waits_tests

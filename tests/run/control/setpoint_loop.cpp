@@ -1032,4 +1032,28 @@ TEST_CASE("each part of a loop has a text") {
     CHECK(text(static_cast<loop_part>(99)) == doctest::String("unknown"));
 }
 
+TEST_CASE(
+    "a take-over without a response is tried again later and later, and after 1 s once a response came") {
+    rig t;
+    t.r.wire.set_connected(0, false);
+    // When the drive was idle last before each attempt, in seconds from now.
+    const auto attempts = [&](std::uint32_t ms) {
+        std::vector<std::uint32_t> begun;
+        const std::uint64_t start = t.r.wire.time_us(), end = start + std::uint64_t{ms} * 1000;
+        while (t.r.wire.time_us() < end) {
+            const bool was_idle = t.r.drive.is_idle();
+            const std::uint64_t now = t.r.wire.time_us();
+            t.turn();
+            if (was_idle && !t.r.drive.is_idle())
+                begun.push_back(static_cast<std::uint32_t>((now - start + 500'000) / 1'000'000));
+        }
+        return begun;
+    };
+    CHECK(attempts(15'000) == std::vector<std::uint32_t>{0, 2, 6, 14});
+    t.r.model.refuses = true; // with an exception
+    t.r.wire.set_connected(0, true);
+    t.go(9'000);
+    CHECK(attempts(3'000).size() == 3);
+}
+
 } // namespace setpoint_loop_tests

@@ -471,4 +471,22 @@ TEST_CASE(
     CHECK(m.confirm(accelerating, milliseconds(60'400)) == errc::busy);
 }
 
+TEST_CASE("G34: a move has the cause of its own end, and none while it is under way or has arrived") {
+    polled p{unsupervised};
+    p.be_enabled_in(control_mode::position);
+    REQUIRE(p.servo.run(segment{1, 20'000 * reference_unit, brisk, ramp}));
+    p.model.block_shaft(true);
+    const arrival blocked = p.servo.run(start_segment{1}, wait_reached{});
+    REQUIRE(blocked.how == arrival_state::stopped_short);
+    REQUIRE(blocked.cause == stop_cause::blocked);
+    p.model.block_shaft(false);
+    p.wire.pass(milliseconds(2000));
+    REQUIRE(p.servo.run(start_segment{1}));
+    CHECK(p.servo.arrival().how == arrival_state::under_way);
+    CHECK(p.servo.arrival().cause == stop_cause::unknown);
+    REQUIRE(p.servo.run(wait_reached{}));
+    CHECK(p.servo.arrival().how == arrival_state::reached);
+    CHECK(p.servo.arrival().cause == stop_cause::unknown);
+}
+
 } // namespace arrival_c630s_tests

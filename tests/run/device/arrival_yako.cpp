@@ -167,6 +167,12 @@ TEST_CASE("G34: a move that has stopped short stays so for minutes") {
         p.loop(100);
         REQUIRE(p.drive.arrival().how == arrival_state::stopped_short);
     }
+    for (int i = 0; i < 600; ++i) { // 100 minutes: the clock wraps after 71.6
+        CAPTURE(i);
+        p.a.wire.pass(milliseconds(10'000));
+        REQUIRE(p.drive.read());
+        REQUIRE(p.drive.arrival().how == arrival_state::stopped_short);
+    }
 }
 
 TEST_CASE_TEMPLATE("G34: after a restart nothing is known of the move before it", A, closed_axis, open_axis) {

@@ -195,6 +195,18 @@ TEST_CASE("G42: an encoder that counts otherwise than the program says: not take
     CHECK(r.belts.state() == drive_state::needs_init);
     CHECK(r.belts.left().position(milliseconds(1000)).error() == errc::needs_init);
     CHECK(r.belts.left().speed(milliseconds(1000)).error() == errc::needs_init);
+    // Each axis is compared with its own encoder: 4096 lines are 16384 counts.
+    for (const bool is_left : {true, false}) {
+        CAPTURE(is_left);
+        rig uneven{is_left ? other : belt, is_left ? belt : other};
+        uneven.set_by_hand((is_left ? zlac8015d::right_encoder_lines : zlac8015d::left_encoder_lines).address,
+                           4096);
+        CHECK(uneven.belts.run(init{}).error() == errc::unexpected_value);
+        uneven.set_by_hand(zlac8015d::left_encoder_lines.address, is_left ? 4096 : 1024);
+        uneven.set_by_hand(zlac8015d::right_encoder_lines.address, is_left ? 1024 : 4096);
+        CHECK(uneven.belts.run(init{}));
+        CHECK(uneven.belts.state() == drive_state::disabled);
+    }
 }
 
 } // namespace axes_zlac8015d_tests

@@ -391,4 +391,31 @@ TEST_CASE("codes outside an enumeration are refused before anything is sent") {
     CHECK(r.requests.size() == frames);
 }
 
+TEST_CASE("a parameter that is set changes no other that the facade knows") {
+    rig r;
+    REQUIRE(r.make_ready());
+    REQUIRE(r.drive.run(top_speeds{2000 * r_per_min, 1900 * r_per_min, 1800 * r_per_min}));
+    REQUIRE(r.drive.run(set<positive_internal_torque_limit>{raw(1111)}));
+    REQUIRE(r.drive.run(set<negative_internal_torque_limit>{raw(1222)}));
+    const auto is_as_set = [&] {
+        const cached_settings& known = r.drive.cached();
+        CHECK(known.max_speed == 2000);
+        CHECK(known.max_forward == 1900);
+        CHECK(known.max_reverse == 1800);
+        CHECK(known.positive_torque == 1111);
+        CHECK(known.negative_torque == 1222);
+    };
+    is_as_set();
+    REQUIRE(r.drive.run(set<brake_on_to_command_delay>{300}));
+    REQUIRE(r.drive.run(set<brake_off_to_power_off_delay>{300}));
+    is_as_set();
+    REQUIRE(r.drive.run(init{})); // the drive holds the same
+    is_as_set();
+    REQUIRE(r.drive.run(enable_in{control_mode::speed}));
+    CHECK(r.drive.begin(velocity{1901 * r_per_min}) == errc::out_of_range);
+    CHECK(r.drive.begin(velocity{-1801 * r_per_min}) == errc::out_of_range);
+    CHECK(r.drive.run(velocity{1900 * r_per_min}));
+    CHECK(r.drive.run(velocity{-1800 * r_per_min}));
+}
+
 } // namespace drive_c630s_settings_tests

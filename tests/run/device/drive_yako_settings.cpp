@@ -326,4 +326,16 @@ TEST_CASE("G20: a superloop that never waits controls the axis; the axis stops a
     CHECK_FALSE(a.is_moving());
 }
 
+TEST_CASE("5.3: limits that were set are known, until they are switched off") {
+    closed_axis a;
+    take(a);
+    CHECK(a.drive.cached().limits == limit_enable::disabled);
+    REQUIRE(a.drive.run(limit_travel{2000 * pulse, -2000 * pulse}));
+    CHECK(a.drive.cached().limits == limit_enable::after_homing);
+    REQUIRE(a.drive.run(init{}));
+    CHECK(a.drive.cached().limits == limit_enable::after_homing); // as the drive says
+    REQUIRE(a.drive.run(unlimit_travel{}));
+    CHECK(a.drive.cached().limits == limit_enable::disabled);
+}
+
 } // namespace drive_yako_settings_tests

@@ -106,4 +106,35 @@ TEST_CASE(
     }
 }
 
+TEST_CASE("G34: a move of both wheels is reached once both are within 20 counts of their targets") {
+    cached_settings known = enabled_in(operating_mode::relative_position);
+    const model m = moving(known);
+    for (const std::int32_t left : {979, 980, 1000, 1020, 1021}) {
+        for (const std::int32_t right : {979, 980, 1000, 1020, 1021}) {
+            CAPTURE(left);
+            CAPTURE(right);
+            const image_words there = at(left, right);
+            const auto is_near = [](std::int32_t place) { return place >= 980 && place <= 1020; };
+            const auto reached = [](bool is) {
+                return is ? arrival_state::reached : arrival_state::stopped_short;
+            };
+            const auto how = [&](wheels which) {
+                return m.arrival_of(which, there.data(), milliseconds(500)).how;
+            };
+            CHECK(how(wheels::both) == reached(is_near(left) && is_near(right)));
+            CHECK(how(wheels::left) == reached(is_near(left)));
+            CHECK(how(wheels::right) == reached(is_near(right)));
+        }
+    }
+    for (const std::uint16_t running : {status_flags::left_running_bit, status_flags::right_running_bit}) {
+        const image_words there = at(1000, 1000, running);
+        const auto is_under_way = [&](wheels which) {
+            return m.arrival_of(which, there.data(), milliseconds(500)).how == arrival_state::under_way;
+        };
+        CHECK(is_under_way(wheels::both));
+        CHECK(is_under_way(wheels::left) == (running == status_flags::left_running_bit));
+        CHECK(is_under_way(wheels::right) == (running == status_flags::right_running_bit));
+    }
+}
+
 } // namespace model_zlac8015d_tests

@@ -10,6 +10,7 @@
 
 #include <servobus/device/zlac8015d/parameters.hpp>
 #include <tests/support/driven_zlac8015d.hpp>
+#include <tests/support/endings.hpp>
 #include <tests/support/robot_world.hpp>
 
 namespace robot_tests {
@@ -256,6 +257,130 @@ TEST_CASE("a wheel swings by counts of its own encoder") {
         m.note({.block = 0, .words = words.data(), .taken = instant{101'000}, .epoch = 1}, known);
         CHECK(m.pose().is_continuous == is_right);
     }
+}
+
+namespace {
+
+using words = std::array<std::uint16_t, 11>; // 20A2h..20ACh
+/// Positions in counts, speeds in 0.1 r/min.
+words wheels_at(std::int32_t left, std::int32_t right, int left_speed = 0, int right_speed = 0) {
+    words w{};
+    const auto put = [&](std::size_t to, std::int32_t place) {
+        const word_pair pair =
+            split_words(static_cast<std::uint32_t>(place), zlac8015d::device::facts.word_order);
+        w[to] = pair.first;
+        w[to + 1] = pair.second;
+    };
+    put(5, left);
+    put(7, right);
+    w[9] = static_cast<std::uint16_t>(left_speed);
+    w[10] = static_cast<std::uint16_t>(right_speed);
+    return w;
+}
+const zlac8015d::cached_settings enabled_at_1_r_per_min{.state = drive_state::enabled,
+                                                        .mode = zlac8015d::operating_mode::velocity,
+                                                        .resolution = 1,
+                                                        .max_speed = 1000};
+constexpr auto uneven =
+    differential::of({.left = wheel, .right = rolling(600_mm, counts_per_turn{16384}), .track = 500_mm});
+
+/// Whether a restart is suspected if the wheels go there in 20 ms.
+bool is_suspected(const zlac8015d::robot_model& m, const words& from, const words& to) {
+    const block_feedback r{.block = 0,
+                           .words = to.data(),
+                           .before = from.data(),
+                           .between = milliseconds(20),
+                           .taken = instant{21'000},
+                           .epoch = 1};
+    return m.has_fallen(r, enabled_at_1_r_per_min);
+}
+
+} // namespace
+
+TEST_CASE(
+    "G43: wheels that may both come from zero raise a suspicion if one of them turns, whichever it is") {
+    zlac8015d::robot_model m;
+    m.set_base(uneven);
+    // 60 r/min are 82 counts of the left wheel in 20 ms, and 328 of the right one.
+    CHECK_FALSE(is_suspected(m, wheels_at(3, 3), wheels_at(3, 3)));
+    CHECK(is_suspected(m, wheels_at(3, 3, 600), wheels_at(85, 3, 600)));
+    CHECK(is_suspected(m, wheels_at(3, 3, 0, 600), wheels_at(3, 331, 0, 600)));
+    CHECK(is_suspected(m, wheels_at(-3, 3, -600), wheels_at(-85, 3, -600)));
+    // One that is farther from zero shows that there was no restart.
+    CHECK_FALSE(is_suspected(m, wheels_at(9000, 3, 600), wheels_at(9082, 3, 600)));
+    CHECK_FALSE(is_suspected(m, wheels_at(9000, 3, 0, 600), wheels_at(9000, 331, 0, 600)));
+    CHECK_FALSE(is_suspected(m, wheels_at(3, 9000, 600), wheels_at(85, 9000, 600)));
+    // By 0.5 r/min in a millisecond: 21 counts of the left wheel, and 37 of the right one.
+    CHECK(is_suspected(m, wheels_at(21, 3, 0, 600), wheels_at(21, 331, 0, 600)));
+    CHECK_FALSE(is_suspected(m, wheels_at(23, 3, 0, 600), wheels_at(23, 331, 0, 600)));
+    CHECK(is_suspected(m, wheels_at(3, 37, 600), wheels_at(85, 37, 600)));
+    CHECK_FALSE(is_suspected(m, wheels_at(3, 39, 600), wheels_at(85, 39, 600)));
+}
+
+TEST_CASE("G43: wheels at rest near zero raise a suspicion only if a command may have moved them") {
+    using namespace zlac8015d;
+    using namespace units;
+    struct scene {
+        prepared_command last;
+        bool is_done;
+        bool may_move;
+    };
+    const auto& known = enabled_at_1_r_per_min;
+    const prepared_command turn = velocity{60 * r_per_min, 60 * r_per_min}.plan(known);
+    const prepared_command stand = velocity{0 * r_per_min, 0 * r_per_min}.plan(known);
+    const prepared_command stop = plan(servobus::halt{}, known);
+    const prepared_command off = plan(servobus::disable{}, known);
+    const prepared_command on = plan(servobus::enable{}, known);
+    const prepared_command look = plan(servobus::init{}, known);
+    const prepared_command read = plan(servobus::read_feedback{}, known);
+    const scene scenes[] = {{turn, true, true},   {turn, false, true}, {stand, true, false},
+                            {stand, false, true}, {stop, true, false}, {stop, false, true},
+                            {off, true, false},   {off, false, true},  {on, true, false},
+                            {on, false, true},    {look, true, false}, {read, true, true},
+                            {read, false, true}};
+    const words there = wheels_at(3, -3);
+    const routine_status lost{status::sent(errc::timeout)};
+    for (const scene& s : scenes) {
+        CAPTURE(&s - scenes);
+        robot_model m;
+        m.set_base(base);
+        cached_settings cached = known;
+        endings e;
+        const auto play = [&](prepared_command c, bool is_done) {
+            REQUIRE(m.admit(c, milliseconds(100)) == errc::ok);
+            const routine steps = c.steps;
+            c.steps = no_steps;
+            const std::array<std::uint16_t, 16> read_words{};
+            ending how = is_done ? e.done({read_words.data(), read_words.size()}) : e.failed(lost, steps);
+            how.steps = steps;
+            (void)m.learn(c, how, cached);
+        };
+        const auto note = [&] {
+            m.note({.block = 0, .words = there.data(), .taken = instant{1000}, .epoch = 1}, known);
+        };
+        note();
+        CHECK_FALSE(is_suspected(m, there, there));
+        play(turn, true);
+        note();
+        CHECK(is_suspected(m, there, there)); // it may have moved since then, and still may
+        play(s.last, s.is_done);
+        CHECK(is_suspected(m, there, there)); // until the next feedback
+        note();
+        CHECK(is_suspected(m, there, there) == s.may_move);
+    }
+}
+
+TEST_CASE("G43: the mode is no witness while an enable or a save changes it") {
+    using namespace zlac8015d;
+    const auto& known = enabled_at_1_r_per_min;
+    CHECK(robot_model::witness(known, {.steps = no_steps}).look != nullptr);
+    CHECK(robot_model::witness(known, plan(servobus::read_feedback{}, known)).look != nullptr);
+    CHECK(robot_model::witness(known, plan(servobus::enable{}, known)).look == nullptr);
+    cached_settings disabled = known;
+    disabled.state = drive_state::disabled;
+    CHECK(robot_model::witness(disabled, plan(servobus::enable{}, disabled)).look == nullptr);
+    CHECK(robot_model::witness(disabled, save{}.plan(disabled)).look == nullptr);
+    CHECK(robot_model::witness(disabled, {.steps = no_steps}).look != nullptr);
 }
 
 } // namespace robot_tests

@@ -131,6 +131,8 @@ TEST_CASE("when a response can have come no more bytes are discarded than are mi
     t.finish();
     t.add(8, instant{0});
     CHECK(t.most_to_discard(late) == 8);
+    t.note_arrival(9, instant{600}); // one byte of noise beside the echo
+    CHECK(t.most_to_discard(late) == 0);
 }
 
 } // namespace transmission_tests

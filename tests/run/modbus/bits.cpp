@@ -248,4 +248,26 @@ TEST_CASE("padding of bits is judged by the last byte alone") {
     CHECK(bits_view{}.has_zero_padding());
 }
 
+TEST_CASE("the coils of a request are those that were given, and its padding is zero") {
+    std::array<std::uint8_t, 246> packed{};
+    for (std::size_t i = 0; i < packed.size(); ++i)
+        packed[i] = static_cast<std::uint8_t>(0xFF - 37 * i % 256);
+    std::array<bool, 1968> single{};
+    for (std::size_t i = 0; i < single.size(); ++i) single[i] = (packed[i / 8] >> i % 8 & 1) != 0;
+    for (const auto quantity : std::array<std::uint16_t, 9>{1, 7, 8, 9, 15, 16, 17, 1961, 1968}) {
+        CAPTURE(quantity);
+        const std::size_t count = (quantity + 7u) / 8;
+        std::array<std::uint8_t, max_pdu> of_view{}, of_bools{};
+        REQUIRE(put_write_coils_request(of_view, 0x13, bits_view{bytes{packed}.first(count), quantity}) ==
+                6 + count);
+        REQUIRE(put_write_coils_request(of_bools, 0x13, slice<const bool>{single}.first(quantity)) ==
+                6 + count);
+        std::size_t wrong = 0;
+        for (std::size_t i = 0; i < 8 * count; ++i)
+            wrong += (of_view[6 + i / 8] >> i % 8 & 1) != (i < quantity && single[i] ? 1 : 0) ? 1u : 0u;
+        CHECK(wrong == 0);
+        CHECK(of_view == of_bools);
+    }
+}
+
 } // namespace bits_tests
