@@ -50,9 +50,10 @@ template <class Device> class motion_under_way {
             largest(static_cast<std::int16_t>(before[6]), static_cast<std::int16_t>(now[6]));
         const std::uint32_t turns =
             known.resolution == speed_count::tenth_r_per_min ? (counted * 13u >> 7) + 1u : counted;
-        const std::uint32_t ms = between.us >> 22 != 0 ? 4096u : between.us >> 10; // at most
+        // Of 256 us, at most 4 s.
+        const std::uint32_t parts = between.us >> 22 != 0 ? 16'384u : between.us >> 8;
         const std::uint32_t way =
-            (turns * known.microsteps >> 10) * ms >> 6; // 60000 for 65536, and 1000 for 1024:
+            (turns * known.microsteps >> 10) * parts >> 8; // 60000 for 65536, and 1000 for 1024:
         const std::uint32_t then = magnitude(position_in(before, known).count());
         const std::uint32_t there = magnitude(position_in(now, known).count());
         // A quarter more is enough. Where a restart puts it, all but a trembling raises a suspicion.

@@ -86,7 +86,8 @@ class model {
         const std::uint16_t* const now = r.words;
         constexpr std::size_t speeds = image::place_of<left_actual_speed>;
         constexpr std::size_t places = image::place_of<left_actual_position>;
-        const std::uint32_t ms = r.between.us >> 22 != 0 ? 4096u : r.between.us >> 10; // at most
+        // Of 128 us, at most 4 s.
+        const std::uint32_t parts = r.between.us >> 22 != 0 ? 32'768u : r.between.us >> 7;
         for (std::size_t wheel = 0; wheel < 2; ++wheel) {
             const std::uint32_t then_speed = magnitude(static_cast<std::int16_t>(before[speeds + wheel]));
             const std::uint32_t now_speed = magnitude(static_cast<std::int16_t>(now[speeds + wheel]));
@@ -95,7 +96,7 @@ class model {
                 magnitude(static_cast<std::int32_t>(pair(before + places + 2 * wheel)));
             const std::uint32_t there = magnitude(static_cast<std::int32_t>(pair(now + places + 2 * wheel)));
             // 16384 / 600 000, rounded up. Where a restart puts it, all but a trembling raises a suspicion.
-            const std::uint32_t allowed = there <= 64u ? 10u : (faster * ms >> 5) + 64u;
+            const std::uint32_t allowed = there <= 64u ? 10u : (faster * parts >> 8) + 64u;
             if (then > there && then - there > allowed) return true;
         }
         return false;
