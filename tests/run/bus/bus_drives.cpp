@@ -101,6 +101,48 @@ TEST_CASE("a bus refuses a drive on another line, and polls it no more") {
     CHECK(wheels.begin(zlac8015d::disable{}) == errc::ok); // a stop
 }
 
+TEST_CASE("a bus runs no command of a drive that is not its own") {
+    wheels_and_lift m;
+    line_type on{m.wire, modbus::timing_at(115200)};
+    wheels_type wheels{on, wheels_node, unsupervised}, other{on, wheels_node, unsupervised};
+    auto all = make_bus<of_wheels>(on, wheels);
+    const std::uint32_t before = m.wire.requests();
+    CHECK(all.run(other, init{}).error() == errc::bad_argument);
+    CHECK(m.wire.requests() == before);
+    CHECK(other.state() == drive_state::needs_init);
+    CHECK(all.run(wheels, init{}));
+}
+
+TEST_CASE("a bus refuses a drive that has another address than the one in its place of the plan") {
+    wheels_and_lift m;
+    line_type on{m.wire, modbus::timing_at(115200)};
+    wheels_type wheels{on, prompt(node<zlac8015d::device>{9}), unsupervised};
+    auto all = make_bus<of_wheels>(on, wheels);
+    const std::uint32_t before = m.wire.requests();
+    CHECK(wheels.begin(init{}) == errc::bad_argument);
+    loop(all, m.wire, 300);
+    CHECK(m.wire.requests() == before);
+    CHECK(wheels.begin(disable{}) == errc::ok); // a stop
+}
+
+TEST_CASE("G28: a bus says of each node whether it is absent, also of a drive that it controls") {
+    wheels_and_lift m;
+    tests::wheels_and_lift_program p{m.wire};
+    REQUIRE(p.command(p.lift, init{}));
+    REQUIRE(p.command(p.wheels, init{}));
+    p.run(500);
+    CHECK_FALSE(p.all.is_absent(1));
+    CHECK_FALSE(p.all.is_absent(2));
+    m.wire.set_connected(1, false); // the lift
+    p.run(2000);
+    CHECK_FALSE(p.all.is_absent(1));
+    CHECK(p.all.is_absent(2));
+    CHECK(p.lift.is_absent());
+    m.wire.set_connected(1, true);
+    p.run(2000);
+    CHECK_FALSE(p.all.is_absent(2));
+}
+
 TEST_CASE("a move that a bus cannot begin has no arrival") {
     wheels_and_lift m;
     tests::wheels_and_lift_program p{m.wire};

@@ -417,8 +417,13 @@ TEST_CASE("G16: of a setpoint of two words that reads back as before, each word 
         u16 first, second;
         errc ends;
     };
-    for (const scene& s :
-         {scene{100, 50, errc::not_executed}, {100, 100, errc::timeout}, {50, 50, errc::timeout}}) {
+    for (const scene& s : {scene{100, 50, errc::not_executed},
+                           {100, 100, errc::timeout},
+                           {50, 50, errc::timeout},
+                           {300, 50, errc::timeout},
+                           {100, 70, errc::timeout},
+                           {300, 70, errc::ok}}) {
+        CAPTURE(s.first);
         CAPTURE(s.second);
         rig r;
         REQUIRE(r.drive.run(bare::command{.steps = set_both, .arguments = {100, 50}}));

@@ -130,6 +130,21 @@ TEST_CASE("G34: a restart during a move is no arrival") {
     }
 }
 
+TEST_CASE("G21, G34: a wait ends as the drive needs an init once a restart shows") {
+    enabled r;
+    REQUIRE(r.drive.run(move_by{40'960 * pulse, 40'960 * pulse}));
+    REQUIRE(r.drive.begin(wait_reached{}) == errc::ok);
+    const std::uint64_t start = r.wire.time_us();
+    while (!r.drive.is_idle()) {
+        if (r.wire.time_us() - start > 100'000 && r.model.enabled()) r.model.power_cycle();
+        const duration idle = r.drive.step();
+        r.wire.wait(idle.us == 0 ? microseconds(10) : idle);
+    }
+    CHECK(r.drive.last().error() == errc::needs_init);
+    CHECK(r.drive.cause() == stop_cause::restart);
+    CHECK(r.drive.arrival(wheels::both).how == arrival_state::none);
+}
+
 TEST_CASE("G34: a wait does not succeed after a restart that locks the shafts where a short move would end") {
     for (const bool is_standstill : {false, true}) {
         for (const std::int32_t way : {4, 10, 20}) {

@@ -322,6 +322,8 @@ TEST_CASE("64-bit positions are read in one frame, in either word order") {
         REQUIRE(r.drive.read(wide_position::load));
         REQUIRE(r.drive.read());
         CHECK(is_about(r.drive.feedback(milliseconds(2000))->position.count(), -25'000));
+        r.wire.faults().lost_response = 1000;
+        CHECK(r.drive.read(wide_position::mechanical).error() == errc::timeout);
     }
 }
 

@@ -208,6 +208,20 @@ TEST_CASE("the fault history is read and cleared") {
     CHECK(r.drive.fault(1)->alarm_code == 0);
 }
 
+TEST_CASE(
+    "while another client has selected an older entry of the fault history the feedback has no alarm code") {
+    rig r;
+    REQUIRE(r.make_ready());
+    r.model.raise(0x400);
+    REQUIRE(r.drive.run(fault_reset{}));
+    client other{r.line, node<device>{1}};
+    REQUIRE(other.write<selected_fault_record>(fault_record::last));
+    const auto seen = r.drive.read();
+    REQUIRE(seen);
+    CHECK(seen->alarm_code == 0);
+    CHECK_FALSE(seen->has_fault());
+}
+
 TEST_CASE("a quick stop sends an emergency stop at speed, with or without a preceding init") {
     rig r;
     be_enabled_in(r, control_mode::speed);

@@ -497,4 +497,39 @@ TEST_CASE("G26: a command that a fault has ended stays failed, however many resp
     }
 }
 
+TEST_CASE(
+    "an enable that the drive refuses is followed by a servo-off only if it may have switched the servo on") {
+    unsigned played = 0, stopped = 0;
+    for (unsigned n = 0; n < 40; ++n) {
+        CAPTURE(n);
+        rig r;
+        REQUIRE(r.make_ready());
+        r.requests.clear();
+        REQUIRE(r.drive.begin(enable_in{control_mode::speed}) == errc::ok);
+        while (!r.drive.is_idle() && r.model.refused == 0) {
+            r.model.refuses = r.requests.size() >= n;
+            r.turn();
+        }
+        r.model.refuses = false;
+        if (r.model.refused == 0) break;
+        ++played;
+        const std::size_t until = r.requests.size();
+        const auto writes_servo_on = [&](std::size_t from, std::size_t to) {
+            bool is = false;
+            for (std::size_t i = from; i < to; ++i)
+                is = is || (modbus::is_write(r.requests[i][1]) && load_word(r.requests[i], 2) == p31);
+            return is;
+        };
+        const bool was_written = writes_servo_on(0, until);
+        r.loop(500);
+        CHECK(r.drive.last().error() == errc::exception);
+        CHECK(writes_servo_on(until, r.requests.size()) == was_written);
+        CHECK_FALSE(r.model.enabled());
+        if (was_written) ++stopped;
+    }
+    CHECK(played > 3);
+    CHECK(stopped > 0);
+    CHECK(stopped < played);
+}
+
 } // namespace drive_c630s_states_tests

@@ -70,6 +70,20 @@ TEST_CASE("S4: a start of any kind that is acknowledged and not executed is repo
     CHECK(a.place() == 0);
 }
 
+TEST_CASE("S4: a homing that is not executed is none, though the axis is homed and stands at its home") {
+    closed_axis a;
+    REQUIRE(a.drive.run(init{}));
+    REQUIRE(a.drive.run(disable{}));
+    REQUIRE(a.drive.run(set_input{input::x3, input_function::stop}));
+    REQUIRE(a.drive.run(enable{}));
+    REQUIRE(a.drive.run(declare_position{0 * pulse}));
+    REQUIRE(a.drive.run(set_homing_profile{60 * r_per_min, 30 * r_per_min}));
+    a.model.set_input(3, true); // the drive ignores starts
+    a.run(10);
+    CHECK(a.drive.run(closed_loop::home{homing::home_24}).error() == errc::not_executed);
+    CHECK(a.drive.motion() == motion_check::not_seen);
+}
+
 TEST_CASE("S4: the profile of a move that was not executed is the one that the drive holds") {
     closed_axis a{{.start_delay = milliseconds(3000)}};
     take(a);
@@ -344,6 +358,31 @@ TEST_CASE("G35: an alarm that was read stays in the state for hours, also where 
         }
         REQUIRE(a.drive.state() == drive_state::faulted);
         if (minutes > 30) CHECK(a.drive.feedback(milliseconds(1'800'000)).error() == errc::timeout);
+    }
+}
+
+TEST_CASE("S4: whether a start that got no response was carried out is not known, whatever it starts") {
+    for (const bool is_homing : {false, true}) {
+        CAPTURE(is_homing);
+        closed_axis a;
+        a.model.attach(simulated::yako_slide());
+        take_homed(a);
+        REQUIRE(a.drive.run(set_homing_profile{60 * r_per_min, 30 * r_per_min}));
+        REQUIRE(a.drive.run(move_by{100 * pulse, brisk}));
+        REQUIRE(a.drive.motion() == motion_check::seen);
+        REQUIRE(a.drive.run(wait_reached{}));
+        const errc refusal = is_homing ? a.drive.begin(closed_loop::home{homing::home_24})
+                                       : a.drive.begin(move_by{900 * pulse, brisk});
+        REQUIRE(refusal == errc::ok);
+        const auto starts = a.model.starts();
+        while (!a.drive.is_idle()) {
+            if (a.model.starts() != starts || a.is_moving()) a.wire.faults().lost_response = 1000;
+            a.turn();
+        }
+        a.wire.faults() = {};
+        CHECK(a.drive.last().outcome() == outcome::unknown);
+        CHECK(a.drive.motion() == motion_check::unknown);
+        CHECK(a.drive.arrival().how == arrival_state::none);
     }
 }
 

@@ -230,6 +230,20 @@ TEST_CASE("S4: a bounded jog ends by itself, and continues if it is commanded ag
     CHECK(a.drive.run(on).error() == errc::busy);
 }
 
+TEST_CASE("S4: a bounded jog continues also after one that was refused") {
+    closed_axis a;
+    take(a);
+    const bounded_jog on{500 * pulse, gentle};
+    REQUIRE(a.drive.run(on));
+    a.run(200);
+    CHECK(a.drive.run(bounded_jog{500 * pulse, {{}, {}, {}, 30'000 * r_per_min}}).error() ==
+          errc::out_of_range);
+    const std::uint32_t starts = a.model.starts();
+    CHECK(a.is_moving());
+    CHECK(a.drive.run(on));
+    CHECK(a.model.starts() == starts);
+}
+
 TEST_CASE("4.3: homing by every method of the variant ends at the position that CiA 402 defines") {
     for (int n = 1; n <= 35; ++n) {
         const auto m = static_cast<homing>(n);

@@ -383,4 +383,30 @@ TEST_CASE("G43: the mode is no witness while an enable or a save changes it") {
     CHECK(robot_model::witness(disabled, {.steps = no_steps}).look != nullptr);
 }
 
+TEST_CASE("G43: only the twist that the drive has acknowledged last is no new command, for either wheel") {
+    using namespace zlac8015d;
+    using namespace units;
+    commanded_motion m;
+    endings e;
+    const auto is_new_after = [&](std::int32_t left, std::int32_t right, bool is_done) {
+        m.note_feedback();
+        prepared_command c = velocity{left * r_per_min, right * r_per_min}.plan(enabled_at_1_r_per_min);
+        REQUIRE(c.refusal == errc::ok);
+        m.begin(c);
+        ending how = is_done ? e.done() : e.failed(routine_status{status::sent(errc::timeout)});
+        how.steps = c.steps;
+        m.end(c, how);
+        return m.is_new();
+    };
+    CHECK(is_new_after(60, 90, true));
+    CHECK_FALSE(is_new_after(60, 90, true));
+    CHECK_FALSE(is_new_after(60, 90, true));
+    CHECK(is_new_after(60, 60, true)); // the right wheel alone
+    CHECK(is_new_after(90, 60, true)); // the left one alone
+    CHECK_FALSE(is_new_after(90, 60, true));
+    CHECK(is_new_after(60, 90, false));
+    CHECK(is_new_after(60, 90, true)); // it was not acknowledged before
+    CHECK_FALSE(is_new_after(60, 90, true));
+}
+
 } // namespace robot_tests

@@ -224,6 +224,9 @@ TEST_CASE("current_limits sets both currents of both motors, each pair in one fr
     CHECK(r.drive.run(current_limits{12 * ampere, 31 * ampere}).error() == errc::out_of_range);
     CHECK(r.drive.run(current_limits{12'050 * milliampere, 20 * ampere}).error() == errc::inexact);
     CHECK(r.log.frames.size() == frames);
+    const current_limits as_much{12 * ampere, 12 * ampere};
+    CHECK(why(r.drive, as_much).argument.address == 0);
+    REQUIRE(r.drive.run(as_much));
     REQUIRE(r.drive.run(enable{}));
     CHECK(r.drive.run(current_limits{12 * ampere, 20 * ampere}).error() == errc::wrong_state);
 }

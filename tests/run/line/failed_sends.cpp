@@ -68,4 +68,17 @@ TEST_CASE("G16, G25: a stop right after a response that did not match is judged 
     CHECK(r.run(stop).why == status::sent(errc::ok));
 }
 
+TEST_CASE(
+    "G1: a blocking line refuses a request whose quarantine is longer than its own, and sends nothing") {
+    rig<setup<scripted_port>> r;
+    r.port.device = answering(500);
+    r.gaps.quarantine = milliseconds(101);
+    CHECK(r.ask(read_one) == errc::bad_argument);
+    r.gaps.quarantine = milliseconds(1000);
+    CHECK(r.ask(read_one) == errc::bad_argument);
+    CHECK(r.port.bytes_sent() == 0);
+    r.gaps.quarantine = milliseconds(100);
+    CHECK(r.ask(read_one) == errc::ok);
+}
+
 } // namespace failed_sends_tests

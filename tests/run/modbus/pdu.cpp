@@ -327,4 +327,31 @@ TEST_CASE("a text in hex is converted to its bytes, in either case, with or with
     }
 }
 
+TEST_CASE("a response is parsed only if its byte count is that of its data, and its registers exist") {
+    for (std::size_t data = 0; data <= 255; ++data) {
+        byte_list pdu(2 + data, 0x11);
+        pdu[0] = 0x04;
+        for (const std::size_t count : {data - 2, data - 1, data, data + 1, data + 2}) {
+            CAPTURE(data);
+            CAPTURE(count);
+            pdu[1] = static_cast<std::uint8_t>(count);
+            const bool is_sound = pdu[1] == data && data != 0 && data % 2 == 0 && data <= 250;
+            CHECK(static_cast<bool>(parse_response(pdu)) == is_sound);
+        }
+    }
+    for (const unsigned quantity : {0u, 1u, 2u, 122u, 123u, 124u}) {
+        for (const unsigned address : {0u, 0xFF84u, 0xFF85u, 0xFF86u, 0xFFFEu, 0xFFFFu}) {
+            CAPTURE(quantity);
+            CAPTURE(address);
+            const byte_list pdu{0x10, static_cast<std::uint8_t>(address >> 8),
+                                static_cast<std::uint8_t>(address), 0x00,
+                                static_cast<std::uint8_t>(quantity)};
+            const bool is_possible = quantity >= 1 && quantity <= 123;
+            const auto r = parse_response(pdu);
+            CHECK(static_cast<bool>(r) == (is_possible && address + quantity <= 0x1'0000));
+            if (!r) CHECK(r.error() == (is_possible ? errc::wrong_address : errc::wrong_quantity));
+        }
+    }
+}
+
 } // namespace pdu_tests
