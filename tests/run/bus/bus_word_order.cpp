@@ -197,4 +197,26 @@ TEST_CASE("G22: a bus delivers no value in the word order before a write of its 
     CHECK(watch(500) > 1000);
 }
 
+TEST_CASE("G22: the word order of one node is not that of another") {
+    static constexpr auto other_node = prompt(node<yako::closed_loop::device>{8});
+    static constexpr poll_plan two{modbus::timing_at(115200),
+                                   cyclic<yako::actual_position>(table_node, milliseconds(100)),
+                                   cyclic<yako::actual_position>(other_node, milliseconds(100))};
+    tests::scripted_port port;
+    port.device = [](tests::scripted_port& p, const tests::sent_frame& f) {
+        p.say(500, tests::read_response(f.data[0], {0, 5}));
+    };
+    line on{port, modbus::timing_at(115200)};
+    auto all = make_bus<two>(on);
+    all.set_word_order(8, word_order::high_first);
+    all.run_for(milliseconds(500));
+    CHECK(all.latest<0>(milliseconds(300)).error() == errc::needs_word_order);
+    REQUIRE(all.latest<1>(milliseconds(300)));
+    CHECK(all.latest<1>(milliseconds(300))->get<yako::actual_position>().count() == 5);
+    all.set_word_order(7, word_order::low_first);
+    all.run_for(milliseconds(500));
+    CHECK(all.latest<0>(milliseconds(300))->get<yako::actual_position>().count() == 5 << 16);
+    CHECK(all.latest<1>(milliseconds(300))->get<yako::actual_position>().count() == 5);
+}
+
 } // namespace bus_word_order_tests

@@ -8,6 +8,7 @@
 #include <doctest/doctest.h>
 
 #include <tests/support/driven_c630s.hpp>
+#include <tests/support/driven_yako.hpp>
 #include <tests/support/driven_zlac8015d.hpp>
 
 namespace ends_of_states_tests {
@@ -69,6 +70,27 @@ TEST_CASE("G16: a command that is given up while a read of it is on the wire has
     m.notify(r.line);
     CHECK(r.drive.last().error() == errc::clock_stopped);
     CHECK(r.drive.last().outcome() == outcome::not_sent);
+}
+
+TEST_CASE("G26: the quick stop of a stepper that was not confirmed is repeated as a quick stop") {
+    using namespace units;
+    for (const bool is_quick : {true, false}) {
+        CAPTURE(is_quick);
+        simulated::closed_axis a;
+        REQUIRE(a.drive.run(init{}));
+        REQUIRE(a.drive.run(enable{}));
+        REQUIRE(a.drive.run(yako::velocity{60 * r_per_min}));
+        a.drive.repeat_stops(milliseconds(300));
+        a.wire.faults().lost_request = 1000;
+        const routine_status ended = is_quick ? a.drive.run(quick_stop{}) : a.drive.run(halt{});
+        REQUIRE_FALSE(ended);
+        a.wire.faults() = {};
+        a.requests.clear();
+        for (int i = 0; i < 100'000 && a.is_moving(); ++i) a.turn();
+        CHECK_FALSE(a.is_moving());
+        CHECK(a.sent(modbus::write_frame(1, 0x0027, u16{0x0200})) == (is_quick ? 1u : 0u));
+        CHECK(a.sent(modbus::write_frame(1, 0x0027, u16{0x0100})) == (is_quick ? 0u : 1u));
+    }
 }
 
 TEST_CASE("G26: a stop that was not confirmed is repeated as what it was") {

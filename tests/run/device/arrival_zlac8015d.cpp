@@ -105,6 +105,39 @@ TEST_CASE("G34: a move that ends before its target says where, what is missing a
     }
 }
 
+TEST_CASE(
+    "G34, G35: as soon as a fault shows, the move that it cuts has ended short, although the motor runs") {
+    for (const bool is_left : {true, false}) {
+        CAPTURE(is_left);
+        enabled r;
+        REQUIRE(r.drive.run(move_by{40'960 * pulse, 40'960 * pulse}));
+        r.step_for(300);
+        REQUIRE(r.drive.arrival().how == arrival_state::under_way);
+        r.model.raise(is_left ? fault::overcurrent : fault::none, is_left ? fault::none : fault::overcurrent);
+        for (int i = 0; i < 100'000 && r.drive.cause() != stop_cause::fault; ++i) r.turn();
+        REQUIRE(r.drive.cause() == stop_cause::fault);
+        CHECK(r.drive.state() == drive_state::faulted);
+        CHECK(r.drive.arrival().how == arrival_state::stopped_short);
+        CHECK(r.drive.arrival().cause == stop_cause::fault);
+    }
+}
+
+TEST_CASE("G34: a move whose targets got no response is not looked for: it has not begun") {
+    enabled r;
+    REQUIRE(r.drive.run(move_by{2048 * pulse, 2048 * pulse}, wait_reached{}).how == arrival_state::reached);
+    r.log.frames.clear();
+    REQUIRE(r.drive.begin(move_by{1000 * pulse, 1000 * pulse}) == errc::ok);
+    const auto is_target = [](const auto& f) { return modbus::is_write(f[1]) && load_word(f, 2) == 0x208A; };
+    while (!r.drive.is_idle()) {
+        if (!r.log.frames.empty() && is_target(r.log.frames.back())) r.wire.faults().lost_response = 1000;
+        r.turn();
+    }
+    r.wire.faults() = {};
+    REQUIRE(r.drive.last().outcome() == outcome::unknown);
+    CHECK(r.drive.motion() == motion_check::not_asked);
+    CHECK(r.model.starts() == 1);
+}
+
 TEST_CASE("G34: a stop of the program ends a move, and the wait for it does not succeed") {
     enabled r;
     REQUIRE(r.drive.run(move_by{40960 * pulse, 40960 * pulse}));

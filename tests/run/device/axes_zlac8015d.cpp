@@ -131,6 +131,14 @@ TEST_CASE("what each axis misses is its own") {
     CHECK(left.count() < 1000);
     CHECK(right.count() > 800'000);
     CHECK(right.count() <= 900'000);
+    rig other_way;
+    other_way.enable_for(operating_mode::relative_position);
+    REQUIRE(other_way.belts.right().run(travel_by{10_mm}, wait_reached{}).how == arrival_state::reached);
+    REQUIRE(other_way.belts.left().begin(travel_by{900_mm}) == errc::ok);
+    while (!other_way.belts.is_idle()) other_way.wire.wait(other_way.belts.step());
+    REQUIRE(other_way.belts.read());
+    CHECK(other_way.belts.left().arrival().missing.count() > 800'000);
+    CHECK(other_way.belts.right().arrival().missing.count() < 1000);
 }
 
 TEST_CASE("each axis has its speed, to the nearest count") {

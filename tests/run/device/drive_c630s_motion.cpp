@@ -384,4 +384,50 @@ TEST_CASE("G20: after the command timeout the drive is stopped: by a halt, or in
     CHECK(r.model.stands_still());
 }
 
+TEST_CASE("each field of the feedback is what the motor does, in both directions") {
+    for (const std::int32_t speed : {300, -450}) {
+        CAPTURE(speed);
+        rig r;
+        be_enabled_in(r, control_mode::speed);
+        REQUIRE(r.drive.run(velocity{speed * r_per_min}));
+        r.wire.pass(milliseconds(1000));
+        const auto seen = r.drive.read();
+        REQUIRE(seen);
+        CHECK(seen->commanded_speed == speed * r_per_min);
+        CHECK(seen->speed == speed * r_per_min);
+        CHECK(seen->fine_speed.count() == 10 * speed); // in 0.1 r/min
+        CHECK(seen->state.is_rotating());
+        CHECK(seen->state.is_brake_released());
+        CHECK(seen->alarm_code == 0);
+        const std::int64_t units = r.model.position() * 10'000 / 131'072; // a turn in the factory's gear
+        CHECK(seen->position.count() / 1000 ==
+              doctest::Approx(static_cast<double>(units / 1000)).epsilon(0.02));
+        CHECK((seen->position.count() < 0) == (speed < 0));
+    }
+}
+
+TEST_CASE("S1: the first write of a disable is what stops the motor in its mode") {
+    struct scene {
+        control_mode mode;
+        u16 address;
+        u16 word;
+    };
+    for (const scene& s : {scene{control_mode::position, emergency_stop.address, 1},
+                           scene{control_mode::speed, target_speed.address, 0},
+                           scene{control_mode::torque, target_torque.address, 0}}) {
+        CAPTURE(s.address);
+        rig r;
+        be_enabled_in(r, s.mode);
+        r.requests.clear();
+        REQUIRE(r.drive.run(disable{}));
+        std::size_t first = 0;
+        while (first < r.requests.size() && !modbus::is_write(r.requests[first][1])) ++first;
+        REQUIRE(first < r.requests.size());
+        CHECK(load_word(r.requests[first], 2) == s.address);
+        const bool is_single = r.requests[first][1] == 0x06;
+        CHECK(load_word(r.requests[first], is_single ? 4 : 7) == s.word);
+        CHECK_FALSE(r.model.enabled());
+    }
+}
+
 } // namespace drive_c630s_motion_tests

@@ -137,4 +137,21 @@ TEST_CASE("G34: a move of both wheels is reached once both are within 20 counts 
     }
 }
 
+TEST_CASE("a fault of either motor, and an alarm of either shaft, is a fault of the drive") {
+    constexpr auto alarm = static_cast<unsigned>(shaft_state::alarm);
+    const auto with = [](std::size_t place, unsigned word) {
+        image_words w = at(0, 0);
+        w[place] = static_cast<std::uint16_t>(word);
+        return w;
+    };
+    const auto is_faulted = [](const image_words& w) { return model::is_faulted(w.data(), {}); };
+    CHECK_FALSE(is_faulted(at(0, 0)));
+    for (unsigned bit = 1; bit <= 0x8000; bit <<= 1) {
+        CHECK(is_faulted(with(model::image::place_of<left_faults>, bit)));
+        CHECK(is_faulted(with(model::image::place_of<right_faults>, bit)));
+    }
+    CHECK(is_faulted(with(model::image::place_of<status_word>, alarm << 14)));
+    CHECK(is_faulted(with(model::image::place_of<status_word>, alarm << 6)));
+}
+
 } // namespace model_zlac8015d_tests

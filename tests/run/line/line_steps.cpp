@@ -221,4 +221,26 @@ TEST_CASE("G1: a stop in a quarantine that gets no response is followed by the q
     }
 }
 
+TEST_CASE("G21: a request without a response changes the epoch of its node, whatever its address") {
+    for (const unsigned address : {1u, 2u, 7u, 8u, 9u, 16u, 100u, 247u}) {
+        CAPTURE(address);
+        rig r;
+        r.settle();
+        const auto node = static_cast<std::uint8_t>(address);
+        const std::array others{static_cast<std::uint8_t>(address + 1),
+                                static_cast<std::uint8_t>(address - 1)};
+        const tests::byte_list request = tests::framed({node, 0x03, 0x20, 0xA1, 0x00, 0x01});
+        epoch before = r.on.epoch(node);
+        const std::array of_others{r.on.epoch(others[0]), r.on.epoch(others[1])};
+        for (int i = 0; i < 3; ++i) {
+            CHECK(r.run(request).why.error() == errc::timeout);
+            CHECK_FALSE(r.on.epoch(node) == before);
+            CHECK(r.on.epoch(node).losses == before.losses);
+            before = r.on.epoch(node);
+        }
+        CHECK(r.on.epoch(others[0]) == of_others[0]);
+        CHECK(r.on.epoch(others[1]) == of_others[1]);
+    }
+}
+
 } // namespace line_steps_tests
