@@ -430,4 +430,23 @@ TEST_CASE("S1: the first write of a disable is what stops the motor in its mode"
     }
 }
 
+TEST_CASE("a drive that has run speed segments takes speeds again once it is enabled for them") {
+    rig r;
+    REQUIRE(r.make_ready());
+    REQUIRE(r.drive.run(run_speed_segments{}));
+    r.wire.pass(milliseconds(300));
+    CHECK(r.drive.begin(velocity{100 * r_per_min}) != errc::ok);
+    CHECK(r.drive.begin(halt{}) != errc::ok);
+    REQUIRE(r.drive.run(disable{}));
+    REQUIRE(r.drive.run(enable_in{control_mode::speed}));
+    REQUIRE(r.drive.run(velocity{100 * r_per_min}));
+    r.wire.pass(milliseconds(500));
+    CHECK(r.r_per_min() == 100);
+    REQUIRE(r.drive.run(halt{}));
+    CHECK(r.model.stands_still());
+    r.requests.clear();
+    REQUIRE(r.drive.run(disable{}));
+    CHECK(load_word(r.requests.front(), 2) == target_speed.address); // as in speed mode
+}
+
 } // namespace drive_c630s_motion_tests

@@ -553,4 +553,24 @@ TEST_CASE(
     CHECK(r.drive.last().register_address() == 0x200E);
 }
 
+TEST_CASE(
+    "S3: the first frame after a silence that the watchdog has ended is a stop that works in every mode") {
+    for (const operating_mode mode : {operating_mode::velocity, operating_mode::torque}) {
+        rig r{{}, {.feedback = milliseconds(20), .command_timeout = milliseconds(300)}};
+        be_enabled_in(r, mode);
+        if (mode == operating_mode::velocity)
+            REQUIRE(r.drive.run(velocity{100 * r_per_min, 100 * r_per_min}));
+        else
+            REQUIRE(r.drive.run(torque{2 * ampere, 2 * ampere}));
+        loop(r, 200);
+        r.wire.pass(milliseconds(2500)); // the program does not step
+        r.log.frames.clear();
+        for (int i = 0; i < 100'000 && r.log.frames.empty(); ++i) turn(r);
+        REQUIRE_FALSE(r.log.frames.empty());
+        CHECK(same_bytes(r.log.frames[0], modbus::write_frame(1, 0x200E, u16{0x07})));
+        loop(r, 1000);
+        CHECK(r.model.stands_still());
+    }
+}
+
 } // namespace drive_zlac8015d_faults_tests

@@ -182,4 +182,20 @@ TEST_CASE("the status and the settings that a program keeps are those of when it
                   !std::is_reference_v<decltype(std::declval<const wiring_status&>().status())>);
 }
 
+TEST_CASE_TEMPLATE("4.1: whether a motion was seen is asked anew by each move", S, wheels, stepper, servo) {
+    S s;
+    auto& drive = s.r.drive;
+    REQUIRE(drive.run(S::move(), wait_reached{}).how == arrival_state::reached);
+    const motion_check before = drive.motion();
+    REQUIRE(drive.begin(S::move()) == errc::ok);
+    CHECK(drive.motion() == motion_check::not_asked);
+    for (unsigned i = 0; !drive.is_idle(); ++i) {
+        REQUIRE(i < 100'000);
+        s.turn();
+    }
+    REQUIRE(drive.last());
+    REQUIRE(drive.run(wait_reached{}));
+    CHECK(drive.motion() == before);
+}
+
 } // namespace last_arrival_tests

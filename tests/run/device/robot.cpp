@@ -409,4 +409,52 @@ TEST_CASE("G43: only the twist that the drive has acknowledged last is no new co
     CHECK_FALSE(is_new_after(60, 90, true));
 }
 
+namespace {
+
+/// The highest speed, in r/min, up to which a pose is continuous if a new twist leaves both wheels at it for 100 ms.
+int fastest_known(const differential& on) {
+    using namespace units;
+    int fastest = 0;
+    for (int speed = 5; speed < 600; speed += 5) {
+        zlac8015d::robot_model m;
+        m.set_base(on);
+        zlac8015d::cached_settings known = enabled_at_1_r_per_min;
+        const auto way_of = [&](const feed& w) {
+            return static_cast<std::int32_t>(w.counts() * static_cast<unsigned>(speed) / 600);
+        };
+        const words first = wheels_at(0, 0, 10 * speed, 10 * speed);
+        const words second =
+            wheels_at(way_of(on.base().left()), way_of(on.base().right()), 10 * speed, 10 * speed);
+        m.note({.block = 0, .words = first.data(), .taken = instant{1000}, .epoch = 1}, known);
+        zlac8015d::prepared_command c = zlac8015d::velocity{speed * r_per_min, speed * r_per_min}.plan(known);
+        endings e;
+        REQUIRE(m.admit(c, milliseconds(100)) == errc::ok);
+        ending how = e.done();
+        how.steps = c.steps;
+        (void)m.learn(c, how, known);
+        m.note({.block = 0, .words = second.data(), .taken = instant{101'000}, .epoch = 1}, known);
+        if (m.pose().is_continuous) fastest = speed;
+    }
+    return fastest;
+}
+constexpr feed coarse = rolling(600_mm, counts_per_turn{4096}),
+               fine = rolling(600_mm, counts_per_turn{16384});
+constexpr differential both_coarse = differential::of({.left = coarse, .right = coarse, .track = 500_mm});
+constexpr differential both_fine = differential::of({.left = fine, .right = fine, .track = 500_mm});
+constexpr differential left_fine = differential::of({.left = fine, .right = coarse, .track = 500_mm});
+constexpr differential right_fine = differential::of({.left = coarse, .right = fine, .track = 500_mm});
+
+} // namespace
+
+TEST_CASE("G43: how fast a path may be to be known depends on the wheels' lengths, and not on what each one "
+          "counts") {
+    const int usual = fastest_known(both_coarse);
+    CHECK(usual > 50);
+    CHECK(usual < 500);
+    for (const differential* on : {&both_fine, &left_fine, &right_fine}) {
+        CHECK(fastest_known(*on) >= usual * 85 / 100);
+        CHECK(fastest_known(*on) <= usual * 115 / 100);
+    }
+}
+
 } // namespace robot_tests
