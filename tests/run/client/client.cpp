@@ -224,6 +224,13 @@ TEST_CASE("raw registers: the device's limits apply, and a failure leaves the ca
     CHECK(r.last() == framed({1, 6, 0x03, 0x00, 0xAB, 0xCD}));
     CHECK(r.drive.write_words(0x0301, all.first(2)));
     CHECK(r.last() == framed({1, 0x10, 0x03, 0x01, 0, 2, 4, 0, 4, 0, 1}));
+    CHECK(r.drive.write_words(0x0300, all.first(6))); // as many as the device takes
+    CHECK(r.last().size() == 9 + 12);
+    const std::size_t sent = r.port.frames.size();
+    CHECK(
+        r.drive.write_words(0xFFFE, all.first(2)).was_sent()); // the last addresses, which the device has not
+    CHECK(r.drive.read_words(0xFFFC, all.first(4)).was_sent());
+    CHECK(r.port.frames.size() >= sent + 2);
 }
 
 TEST_CASE("raw registers of an array of any kind, and of one that is longer than the device's limits") {

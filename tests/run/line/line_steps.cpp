@@ -243,4 +243,22 @@ TEST_CASE("G21: a request without a response changes the epoch of its node, what
     }
 }
 
+TEST_CASE("G21: a new epoch of a node is its own, and one of all nodes is that of each") {
+    rig r;
+    r.settle();
+    for (const std::uint8_t node : {std::uint8_t{3}, std::uint8_t{200}}) {
+        const epoch own = r.on.epoch(node), after = r.on.epoch(static_cast<std::uint8_t>(node + 1));
+        r.on.begin_epoch(node);
+        CHECK_FALSE(r.on.epoch(node) == own);
+        CHECK(r.on.epoch(static_cast<std::uint8_t>(node + 1)) == after);
+    }
+    std::array<epoch, 248> before{};
+    for (unsigned n = 1; n < 248; ++n) before[n] = r.on.epoch(static_cast<std::uint8_t>(n));
+    r.on.begin_epoch(0);
+    unsigned same = 0;
+    for (unsigned n = 1; n < 248; ++n)
+        same += r.on.epoch(static_cast<std::uint8_t>(n)) == before[n] ? 1u : 0u;
+    CHECK(same == 0);
+}
+
 } // namespace line_steps_tests
