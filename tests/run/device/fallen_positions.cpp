@@ -39,8 +39,8 @@ TEST_CASE("G39: a YAKO has fallen where a restart puts it, but for a trembling")
 
 namespace {
 
-/// A way towards zero that the speeds and the time of two images allow, and one that 1 r/min more and half as much time again
-/// do not. Windows of more than 4 s count as 4 s.
+/// A way towards zero that the speeds and the time of two images allow. `too_long` is so even for 1 r/min more and half
+/// as much time again. Windows of more than 4 s count as 4 s.
 struct way {
     std::int64_t made;
     std::int64_t too_long;

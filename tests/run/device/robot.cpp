@@ -284,7 +284,7 @@ const zlac8015d::cached_settings enabled_at_1_r_per_min{.state = drive_state::en
 constexpr auto uneven =
     differential::of({.left = wheel, .right = rolling(600_mm, counts_per_turn{16384}), .track = 500_mm});
 
-/// Whether a restart is suspected if the wheels go there in 20 ms.
+/// True if a restart is suspected where the wheels go there in 20 ms.
 bool is_suspected(const zlac8015d::robot_model& m, const words& from, const words& to) {
     const block_feedback r{.block = 0,
                            .words = to.data(),

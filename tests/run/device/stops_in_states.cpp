@@ -1,8 +1,9 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Each stop in each state of each drive, and each two of the things that end a motion, one after the other: the state, the
-// cause and what the drive takes after them. Judged by the simulated motor and by rules, which are those of the manuals.
+// Each stop in each state of each drive; and any two of the things that end a motion, one after the other. Compared are
+// the state, the cause, and what the drive takes after them. Judged by the simulated motor and by rules, which are
+// those of the manuals.
 #include <cstdint>
 #include <type_traits>
 
