@@ -83,7 +83,7 @@ TEST_CASE_TEMPLATE("G45: a drive that moves is stopped by the first step that ha
             (void)live(s, 1500);
             CHECK_FALSE(s.moves());
             CHECK(s.drive.state() == drive_state::needs_init); // nothing moves by itself
-            CHECK(live(s, 100) == 0); // the stop was confirmed, and is not repeated
+            CHECK(live(s, 100) == 0);                          // the stop was confirmed, and is not repeated
         }
     }
 }

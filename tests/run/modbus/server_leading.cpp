@@ -127,7 +127,8 @@ TEST_CASE("G5, G41: bytes 00 or FF before the frames of other nodes do not delay
     }
 }
 
-TEST_CASE("G14: a broadcast of 256 bytes after a byte 00 ends where it ends, and the next request has a response") {
+TEST_CASE(
+    "G14: a broadcast of 256 bytes after a byte 00 ends where it ends, and the next request has a response") {
     byte_list broadcast{0, 0x0F, 0, 0, 0x07, 0xB8, 0xF7};
     for (unsigned i = 0; i < 0xF7; ++i) broadcast.push_back(static_cast<std::uint8_t>(i * 7 + 1));
     REQUIRE(framed(broadcast).size() == modbus::max_frame);
