@@ -147,13 +147,12 @@ SAID: dict[str, dict[str, list[str]]] = {
         "read": ["servobus: warning: responses of node 1 came after 300 ms: give --timeout more, or two devices have this "
                  "address", "servobus: first: no response"]},
     "two responses": {
-        "doctor": ["refused  " + TWO.format("") + " -> take one device off the line, and look who responds: servobus scan "
-                   "PORT", NO_USE],
+        "doctor": ["refused  " + TWO.format("") + " -> take one of them off the line, and give it another address", NO_USE],
         "scan": ["- - 1 not identified", "servobus: - -: " + TWO.format("")],
         "read": ["first=7", "servobus: warning: " + TWO.format("")]},
     "two responses that differ": {
-        "doctor": ["refused  " + TWO.format(" that differ") + " -> take one device off the line, and look who responds: "
-                   "servobus scan PORT", NO_USE],
+        "doctor": ["refused  " + TWO.format(" that differ") + " -> take one of them off the line, and give it another address",
+                   NO_USE],
         "scan": ["- - 1 not identified", "servobus: - -: " + TWO.format("")],
         "read": ["first=7", "servobus: warning: " + TWO.format("")]},
     "a response, and two bytes": {

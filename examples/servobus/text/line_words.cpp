@@ -129,7 +129,7 @@ std::vector<remark> remarks_on(const line_account& heard, const line_terms& term
              terms.with_pause + std::to_string(pause_for(heard)) + ", and with every command"});
     if (heard.doubled != 0)
         say({words_on_two_responses(terms.who, heard.differing != 0),
-             "take one device off the line, and look who responds: " + terms.scan});
+             "take one of them off the line, and give it another address"});
     else if (is_answered && heard.beside != 0 && heard.unasked.empty())
         say({counted(heard.beside, "byte") +
                  " came beside the responses: another program or master sends on this line, or "
