@@ -45,7 +45,7 @@ inline overheard hear(any_port& on, servobus::bytes request, servobus::duration 
         if (sent != request.size()) {
             const servobus::transfer took = on.send(request.subspan(sent));
             if (!took && !connects_anew()) return h;
-            sent += took ? *took : 0;
+            if (took) sent += *took;
         }
         if (!has_left && sent == request.size() && on.sent()) {
             has_left = true;
