@@ -50,8 +50,8 @@ inline constexpr step right_must_stand = steps::expect_zero<status_word>(errc::b
 inline constexpr step must_be_enabled  = steps::expect_bits<status_word>(status_flags::shaft_bits, status_flags::both_locked, errc::wrong_state);
 inline constexpr step must_be_healthy  = steps::expect_zero<left_faults, right_faults>(errc::faulted);
 inline constexpr step until_standstill = steps::until_bits<status_word>(status_flags::running_bits, 0, longest_ramp_ms);
-// What the running bits say of a wheel that rolls without power, or slows down after a stop, is open [errata
-// B31]: its speed says it too. 0.1 r/min; a servo at rest trembles.
+// What the running bits say of a wheel that rolls without power, or slows down after a stop, is open
+// [errata B31]: its speed says it too. 0.1 r/min; a servo at rest trembles.
 inline constexpr std::uint16_t slowest_speed = 20;
 inline constexpr step until_slow       = steps::until_within<left_actual_speed, right_actual_speed>(slowest_speed, longest_ramp_ms);
 inline constexpr step until_locked     = steps::until_bits<status_word>(status_flags::shaft_bits, status_flags::both_locked, state_change_ms);
