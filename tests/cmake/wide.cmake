@@ -52,6 +52,8 @@ check(tool.probe_of_others LABELS tool REAL_TIME COST 70 ENVIRONMENT "PROBED=yak
       COMMAND ${python} tests/tool/probe.py ${tool})
 check(tool.troubles LABELS tool REAL_TIME COST 75 COMMAND ${python} tests/tool/troubles.py ${tool})
 check(tool.line_texts LABELS tool REAL_TIME COST 50 COMMAND ${python} tests/tool/line_texts.py ${tool})
+# A device of these tests is late where others compute.
+set_tests_properties(tool.troubles tool.line_texts PROPERTIES RUN_SERIAL ON)
 check(posix.portable LABELS posix REAL_TIME COST 70 COMMAND sh tests/portable.sh)
 
 # A hostile line, and fuzzing: the same inputs in every run, for what a search finds must not turn an unrelated change red.

@@ -43,8 +43,7 @@ inline constexpr ro<switches>          dip_switches                  {0x0003, un
 inline constexpr ro<u16>               error_code                    {0x0006, {0, 5},                    no_unit,     no_default};
 /// 0007h 运动状态位  RO [errata A35]
 inline constexpr ro<motion_status>     status_word                   {0x0007, unstated,                  no_unit,     no_default};
-/// 000Ah 当前位置  pulses, RO; closed loop: the encoder's feedback in pulses, open loop: the commanded position
-/// [errata A22, A50, A51]
+/// 000Ah 当前位置  pulses, RO; closed loop: the encoder's feedback in pulses, open loop: the commanded position [errata A22, A50, A51]
 inline constexpr ro<i32>               actual_position               {0x000A, full<i32>,                 pulse,       no_default};
 
 // Basic control

@@ -54,8 +54,7 @@ inline constexpr rw<input_function>      di8_function                {"P03-16"_p
 inline constexpr rw<input_logic>         di8_logic                   {"P03-17"_p, {0, 4},        no_unit,           0,    running_from_stop};
 /// P03-34 上电有效的DI功能分配  0..0xFFFF, default 0, running, power cycle; FunIN.33 to 48 [errata C28, C30]
 inline constexpr rw<input_functions<33>> power_on_functions_33_to_48 {"P03-34"_p, {0, 0xFFFF},   no_unit,           0,    running_from_power_on};
-/// P03-35 上电有效的DI功能分配  0..0xFFFF, default 0, running, power cycle; FunIN.49 to 64, none of which exists
-/// [errata C28, C30]
+/// P03-35 上电有效的DI功能分配  0..0xFFFF, default 0, running, power cycle; FunIN.49 to 64, none of which exists [errata C28, C30]
 inline constexpr rw<input_functions<49>> power_on_functions_49_to_64 {"P03-35"_p, {0, 0xFFFF},   no_unit,           0,    running_from_power_on};
 /// P03-36 AI1偏置  -5000..5000 mV, default 0, running, immediate
 inline constexpr rw<i16>                 ai1_offset                  {"P03-36"_p, {-5000, 5000}, millivolt,         0,    running_now};

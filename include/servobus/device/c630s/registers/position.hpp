@@ -19,8 +19,7 @@ namespace servobus::c630s {
 
 /// P05-00 位置指令来源  0..2, default 0, stopped, immediate, P
 inline constexpr rw<position_source>     position_command_source           {"P05-00"_p, {0, 2},                    no_unit,              0,       stopped_now | position_mode};
-/// P05-02 电机每旋转1圈脉冲数  0..1048576 P/r, default 10000, stopped, power cycle, P; at 0 the electronic gear applies
-/// [errata C35]
+/// P05-02 电机每旋转1圈脉冲数  0..1048576 P/r, default 10000, stopped, power cycle, P; at 0 the electronic gear applies [errata C35]
 inline constexpr rw<u32>                 pulses_per_revolution             {"P05-02"_p, {0, 1048576},              pulse_per_revolution, 10000,   stopped_from_power_on | position_mode};
 /// P05-04 一阶低通滤波时间常数  0..6553.5 ms, default 0.0, stopped, immediate, P
 inline constexpr rw<u16>                 position_low_pass_time            {"P05-04"_p, {0, 65535},                millisecond / 10,     0,       stopped_now | position_mode};

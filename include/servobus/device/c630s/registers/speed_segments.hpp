@@ -38,8 +38,7 @@ inline constexpr rw<u16>                         segment_deceleration_time_3 {"P
 inline constexpr rw<u16>                         segment_acceleration_time_4 {"P12-09"_p, {0, 65535},    millisecond, 150, stopped_now | speed_mode};
 /// P12-10 减速时间4  0..65535 ms, default 150, stopped, immediate, S
 inline constexpr rw<u16>                         segment_deceleration_time_4 {"P12-10"_p, {0, 65535},    millisecond, 150, stopped_now | speed_mode};
-/// P12-20, 23 .. 65 第1..16段速度指令  -6000..6000 rpm, default 0, stopped, immediate, S; the default is that of segment 1,
-/// see `speed_segment_defaults` [errata C58]
+/// P12-20, 23 .. 65 第1..16段速度指令  -6000..6000 rpm, default 0, stopped, immediate, S; the default is that of segment 1, see `speed_segment_defaults` [errata C58]
 inline constexpr reg_array<rw<i16>, 16>          speed_segment_speeds        {{"P12-20"_p, {-6000, 6000}, r_per_min,   0,   stopped_now | speed_mode}, 3};
 /// The defaults of P12-20, 23 .. 65. The row of `speed_segment_speeds` has only the first.
 inline constexpr i16 speed_segment_defaults[speed_segment_speeds.size] = {
