@@ -67,8 +67,7 @@ class TroubledLine:
         heapq.heappush(self.planned, (time.monotonic() + after, len(self.planned), data))
 
     def carry(self):
-        began = next_byte = next_master = time.monotonic()
-        del began
+        next_byte = next_master = time.monotonic()
         while not self.is_over:
             now = time.monotonic()
             while self.planned and self.planned[0][0] <= now:

@@ -148,6 +148,26 @@ def no_response(tool: Tool):
         tool.err_has("and said", "no device responds")
 
 
+class Unanswered(Device):
+    """A gateway behind which nobody responds."""
+
+    def response_to(self, pdu: bytes) -> bytes:
+        self.requests.append(pdu)
+        return bytes([pdu[0] | 0x80, 0x0B])
+
+
+@scene()
+def behind_a_gateway(tool: Tool):
+    device = Unanswered()
+    with Gateway(device, "mbap") as gateway:
+        tool.run(f"scan {gateway.name} --nodes 1-3")
+        tool.status_is("a gateway that got no response: status 1", 1)
+        tool.out_is("names nobody")
+        tool.is_equal("and says who has said so", tool.last.err_lines[-1],
+                      "servobus: no device responds: the gateway says that it got no response at any address")
+        tool.is_equal("each address is asked once", len(device.requests), 3)
+
+
 @scene()
 def after_a_change_of_address(tool: Tool):
     """The scan finds the drive. No write goes to an address that is not certain."""

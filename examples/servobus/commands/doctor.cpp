@@ -136,7 +136,7 @@ class consultation {
         judge_strays();
         return interrupts::came() ? failed : to_.end(true);
     }
-    // What the reads that were listened to have shown is said already.
+    // Says nothing that the reads with listening have shown already.
     void judge_strays() {
         on_.listen_on();
         const line_account& heard = ear_.account();
@@ -151,7 +151,8 @@ class consultation {
                                 devices_, period_ms_);
     }
 
-    // What was heard shows how the device can be read all the same. False if it shows no way, or a second time.
+    // Sets limits with which the device can be read all the same. False if nothing that was heard gives such limits, or
+    // the second time.
     bool be_patient() {
         const line_account& heard = ear_.account();
         const bool has_way =

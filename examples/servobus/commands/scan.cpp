@@ -99,10 +99,12 @@ int scan_at(const char* path, std::uint32_t baud, const std::string& format, pla
     return pass.run();
 }
 
-std::string words_on_nobody(const plan& p, bool is_network) {
-    const std::string limit = std::to_string(p.limits.response.us / 1000);
-    const std::string longer = is_network ? "2000" : "500";
-    return "no device responds within " + limit + " ms: a slower one needs --timeout " + longer +
+std::string words_on_nobody(const plan& p, const scanned& all, bool is_network) {
+    if (all.of_gateway != 0)
+        return "no device responds: the gateway says that it got no response at any address";
+    const std::uint32_t limit = p.limits.response.us / 1000, longer = is_network ? 2000 : 500;
+    return "no device responds within " + std::to_string(limit) + " ms" +
+           (limit < longer ? ": a slower one needs --timeout " + std::to_string(longer) : std::string{}) +
            (is_network ? "; the gateway is connected, and may serve one client at a time"
                        : "; else the supply, A and B swapped, or another rate, format or address");
 }
@@ -137,7 +139,7 @@ int scan(const arguments& asked) {
                                     " at any rate and format: try --echo off");
     if (all.echoed == all.settings)
         return complain(failed, "what came is the request's own echo: try --echo on");
-    return complain(failed, words_on_nobody(*p, any_port::is_network(path)));
+    return complain(failed, words_on_nobody(*p, all, any_port::is_network(path)));
 }
 
 } // namespace tool

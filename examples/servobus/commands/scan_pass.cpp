@@ -135,6 +135,10 @@ int scan_pass::look_at(std::uint8_t node) {
         is_over_ = true;
         return done;
     }
+    if (f.why.error() == servobus::errc::gateway_exception) {
+        ++all_->of_gateway;
+        return done;
+    }
     if (f.what == presence::no_response) {
         // A few addresses at one setting are worth more than a request each.
         const bool are_few = !p_->has_several() && p_->last - p_->first < 8;

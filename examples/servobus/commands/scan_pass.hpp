@@ -41,6 +41,7 @@ struct scanned {
     std::size_t found = 0;        ///< addresses that respond
     std::size_t settings = 0;     ///< of the line
     std::size_t without_echo = 0; ///< settings at which the first request did not come back
+    std::size_t of_gateway = 0;   ///< addresses for which a gateway has said that it got no response
     std::size_t echoed = 0;       ///< settings at which a request came back that should not
 };
 

@@ -28,7 +28,7 @@ void judge_value(report& to, const servobus::entry& e, std::int64_t number, cons
     }
 }
 
-// What the rows of a table hold.
+// The content of a table's rows.
 struct table_content {
     servobus::table in;
     std::vector<const servobus::entry*> rows{};

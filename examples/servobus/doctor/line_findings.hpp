@@ -18,7 +18,7 @@ inline constexpr std::size_t most_devices = 16;
 /// Other programs on an open port, and the latency timer of its USB adapter.
 void judge_port(report& to, const std::string& port);
 
-/// What a line gives when it is listened to and asked.
+/// Listens to a line, asks on it, and counts what comes.
 class line_hearing {
   public:
     explicit line_hearing(session& on) : on_{&on} {}
