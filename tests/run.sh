@@ -50,6 +50,8 @@ took compiling
 ctest --test-dir "$build" -L '^fast$' -j "$((jobs * 3))" --output-on-failure --no-tests=error "$@"
 status=$?
 took testing
-echo "run.sh: $times"
+. tests/support/cpu_seconds.sh
+times >"$build/cpu"
+echo "run.sh: $times; $(cpu_seconds "$build/cpu") CPU seconds"
 [ "$status" = 0 ] || fail "the tests above; one again: ctest --test-dir $build -R NAME --output-on-failure"
 echo "run.sh: all passed ($CXX)"

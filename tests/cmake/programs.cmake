@@ -2,8 +2,6 @@
 # SPDX-License-Identifier: BSL-1.0
 #
 # The command-line tool and the programs of the examples, over pseudo-terminals and in real time.
-add_executable(undisturbed support/undisturbed.cpp)
-target_compile_features(undisturbed PRIVATE cxx_std_20)
 set(tool $<TARGET_FILE:servobus_tool>)
 # The tool with a drive that is not the library's.
 add_executable(tool_with_winch $<TARGET_OBJECTS:servobus_tool_parts>
