@@ -106,8 +106,9 @@ template <class Model, class Exchange> class drive_machine : public detail::comm
         if (is_echo_possible) run().note_possible_echo();
         this->settle(now);
         // The image that a stop or a change of settings has read is judged when that has ended.
-        if (known_.last_frame() == flight::refresh && known_.polling().image().has_words)
-            react(judged(known_.image()), now);
+        if (known_.last_frame() != flight::refresh || !known_.polling().image().has_words) return;
+        const bool was_enabled = known_.is_enabled();
+        react(judged(known_.image()), was_enabled, now);
     }
 
   private:
@@ -173,6 +174,7 @@ template <class Model, class Exchange> class drive_machine : public detail::comm
         std::uint16_t words[image_block<Model>.words]; // NOLINT: all are filled
         for (std::size_t i = 0; i < image_block<Model>.words; ++i) words[i] = read[i];
         const bool is_fall = !is_verified && known_.has_fallen(words);
+        const bool was_enabled = known_.is_enabled();
         verdict found = judged(words);
         if (is_fall && found != verdict::disabled) found = verdict::uncertain;
         if (found == verdict::uncertain) {
@@ -185,7 +187,7 @@ template <class Model, class Exchange> class drive_machine : public detail::comm
         }
         known_.take_image(words, now);
         known_.set_last_frame(flight::refresh);
-        react(found, now);
+        react(found, was_enabled, now);
         known_.note_image(is_origin_open());
         known_.take_held_block(this->response_);
         run().use_image(known_.image(), image_block<Model>, now);
@@ -277,7 +279,7 @@ template <class Model, class Exchange> class drive_machine : public detail::comm
         return known_.is_known() && !slot_.is_changing() ? known_.model().judge(words, known_.cached())
                                                          : verdict::as_expected;
     }
-    constexpr void react(verdict found, instant now) {
+    constexpr void react(verdict found, bool was_enabled, instant now) {
         switch (found) {
         case verdict::as_expected: break;
         case verdict::uncertain: known_.link().require_check(); break;
@@ -291,7 +293,8 @@ template <class Model, class Exchange> class drive_machine : public detail::comm
             }
             break;
         case verdict::tripped:
-            known_.set_cause(stop_cause::fault);
+            if (was_enabled) known_.set_cause(stop_cause::fault);
+            known_.note_cause(stop_cause::fault);
             slot_.end_unless_reading(errc::faulted);
             break;
         case verdict::faulted:
