@@ -157,6 +157,7 @@ check(docs.readme_commands LABELS docs REAL_TIME COST 100 COMMAND ${python} test
       OF README.md examples/run.sh ALONE)
 check(docs.header_examples LABELS docs COST 20 COMMAND ${python} tests/header_examples.py)
 check(docs.comments LABELS docs COMMAND ${python} tests/docs/comments.py --check)
+check(docs.example_lines LABELS docs COMMAND ${python} tests/docs/example_lines.py --check)
 check(docs.promises LABELS docs COMMAND ${python} tests/docs/promises.py)
 check(docs.mutants LABELS docs COMMAND ${python} tests/mutate/mutate.py --list --mutants 1)
 

@@ -8,6 +8,7 @@ programs.py all COMPILER FLAG...               so for each of them
 programs.py page                               makes README.md, the page of compile errors
 programs.py page --check                       fails if README.md is not that page, or control.cpp lacks a mend
 """
+import itertools
 import re
 import subprocess
 import sys
@@ -18,11 +19,13 @@ from pathlib import Path
 HERE = Path(__file__).resolve().parent
 HEAD = """# Compile errors and their mends
 
-Each of these lines is wrong and does not compile. The compiler's error, often a dozen lines, contains the words
-given here; look for them. `drive` is a client of a ZLAC8015D, `zlac` is `servobus::zlac8015d`, `units` is
-`servobus::units`; `tank` is the device of [served.hpp](served.hpp). The figures of a plan's errors are explained in
-[plan_errors.hpp](../../include/servobus/bus/detail/plan_errors.hpp). This page is made by `programs.py` from the
-programs beside it, which the tests compile with g++ and clang++.
+Search this page for words of the compiler's error, which is often a dozen lines long: the headings are those words, in the
+order of the alphabet. Below each stand the mistakes that lead to it, and the code that compiles in their place. `drive` is a
+client of a ZLAC8015D, `zlac` is `servobus::zlac8015d`, `units` is `servobus::units`, `tank` is the device of
+[served.hpp](served.hpp). [plan_errors.hpp](../../include/servobus/bus/detail/plan_errors.hpp) explains the figures of a
+plan's errors.
+
+`programs.py` makes this page from the programs beside it, which the tests compile with g++ and clang++.
 """
 
 
@@ -81,12 +84,13 @@ def all_programs():
 
 def page(programs):
     text = HEAD
-    for p in programs:
-        said = f"`{p.expected}`" + (f" and the figures `{p.figures}`" if p.figures else "")
-        text += (
-            f"\n## {p.title}\n\n```cpp\n{p.wrong}\n```\n\nThe compiler says {said}. Mend:\n\n"
-            f"```cpp\n{p.mend.removeprefix('(void)')}\n```\n\n([{p.name}]({p.name}))\n"
-        )
+    by_words = sorted(programs, key=lambda p: (p.expected.casefold(), p.figures, p.name))
+    for expected, alike in itertools.groupby(by_words, key=lambda p: p.expected):
+        text += f"\n## `{expected}`\n"
+        for p in alike:
+            figures = f", with the figures `{p.figures}`" if p.figures else ""
+            text += (f"\n[{p.title}]({p.name}){figures}:\n\n```cpp\n{p.wrong}\n// compiles:\n"
+                     f"{p.mend.removeprefix('(void)')}\n```\n")
     return text
 
 
