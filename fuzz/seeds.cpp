@@ -167,6 +167,47 @@ void machine_files(corpus& to) {
     add("file_other_unit",
         first + "[a] device=yako-closed-loop node=1\nmax_current=2500 mA\nmax_current=2 V\n");
     add("file_later", "servobus-machine format=2\n");
+    // A file for each sentence that refuses one.
+    const std::string lift = first + "[lift] device=yako-closed-loop node=2\n";
+    const std::string two = first + "[a] device=c630s node=3\n[b] device=c630s ";
+    unsigned number = 0;
+    for (const std::string& refused : {
+             std::string{},
+             std::string{"servobus\n"},
+             first + "lift device=c630s\n",
+             first + "[a-name-that-is-longer-than-any-name-may-be] device=c630s node=1\n",
+             first + "[a] device=c630s\n",
+             first + "[a] node=1\n",
+             first + "[a] device=c360s node=1\n",
+             first + "[a] device=c630s node=248\n",
+             first + "[a] device=c630s node=1 baud=12\n",
+             first + "[a] device=c630s node=1 baud=9600 baud=9600\n",
+             first + "[a] device=c630s node=1 character_format=9N1\n",
+             first + "[a] device=c630s node=1 nodes=2\n",
+             first + "max_current=3\n",
+             first + "# nothing\n",
+             two + "node=3\n",
+             two + "node=4 baud=9600\n",
+             lift + "max_currents=3.0 A\n",
+             lift + "max_current\n",
+             lift + "max_current=\n",
+             lift + "max_current=3.0.1 A\n",
+             lift + "max_current=0.001 A\n",
+             lift + "max_current=99 A\n",
+             lift + "max_current=3.0 m\n",
+             lift + "x0_function=lamp\n",
+             lift + "start_motion=1\n",
+             lift + "error_code=0\n",
+             lift + "require error_code=0\n",
+             lift + "max_current=3.0 A\nmax_current=3.0 A\n",
+             first + "[a] device=c630s node=3\nnode_address=4\n",
+             first + "[a] device=c630s node=3 baud=9600\nbaud_rate=115200\n",
+             first + "[a] device=c630s node=3 character_format=8N1\ncharacter_format=8e1\n",
+         })
+        add(("refused_" + std::to_string(number++)).c_str(), refused);
+    add("findings_later", "servobus-findings format=2 device=zlac8015d\n");
+    add("findings_of_another", "servobus-findings format=1 device=c630s\n");
+    add("findings_unknown", "servobus-findings format=1 device=zlac8015d\nsaved=no\n");
     add("findings_all",
         "servobus-findings format=1 device=zlac8015d\nfirmware=107\nsave=marked # section 3\nby_fault=?\n");
     add("findings_wrong", "servobus-findings format=1 device=zlac8015d\nsave=perhaps\n");
@@ -204,6 +245,90 @@ void device_files(corpus& to) {
     add("file_wrong", "address;name\n0x10;a\n");
     add("file_quote", "address,name,description\n1,a,\"b\n");
     add("file_twice", "address,name,type\n1,a,u32\n2,b,\n");
+    // A file for each sentence that refuses one: before the header line, that line, and rows below all columns.
+    unsigned number = 0;
+    const auto refuse = [&](const std::string& text) {
+        add(("refused_" + std::to_string(number++)).c_str(), text);
+    };
+    for (const char* line :
+         {"# file_format = 9", "# baud = fast", "# gap_ms = 1.2345", "# gap_ms = 70000", "# bauds = 9600",
+          "# speed", "# name = a b", "# name = ", "# word_order = middle", "# character_format = 9N1",
+          "# echoes_byte_count = perhaps", "# exception_2 = ", "# exception_300 = busy",
+          "# baud = 9600\n# baud = 9600", "# lowest_address = 9\n# highest_address = 3",
+          "# word_order = selectable", "# word_order_register = 0x19", "# max_read = 0"})
+        refuse(std::string{line} + "\naddress,name\n1,a\n");
+    for (const char* text :
+         {"", "# name = a\n", "address,name\n", "name\na\n", "address,name,name\n1,a,b\n",
+          "address,names_of_it,name\n", "address,name\n1,a\n# name = b\n", "address,name\n1\n",
+          "address,name\n1,\x01\n", "address,name\n1,a\n2,a\n", "address,name\n1,a\n1,b\n"})
+        refuse(text);
+    struct cell {
+        const char* column;
+        const char* text;
+    };
+    for (const cell& c :
+         std::initializer_list<cell>{{"type", "f32"},
+                                     {"type", "u8"},
+                                     {"words", "2"},
+                                     {"words", "two"},
+                                     {"access", "rx"},
+                                     {"saved", "maybe"},
+                                     {"when", "later"},
+                                     {"effective", "soon"},
+                                     {"modes", "PX"},
+                                     {"min", "low"},
+                                     {"max", "70000"},
+                                     {"max", "0x"},
+                                     {"default", "-1"},
+                                     {"scale", "1/0"},
+                                     {"scale", "ten"},
+                                     {"scale", "1e9"},
+                                     {"unit", "mA"},
+                                     {"unit", "rpm"},
+                                     {"unit", "furlong"},
+                                     {"unit", "\xC2\xB0"
+                                              "C"},
+                                     {"flags", "motions"},
+                                     {"flags", "trigger"},
+                                     {"flags", "zero_by_name"},
+                                     {"names", "0=off;0=on"},
+                                     {"names", "0=off;1=off"},
+                                     {"names", "off"},
+                                     {"names", "0="},
+                                     {"names", "x=off"},
+                                     {"names", "0=12"},
+                                     {"names", "b16=on"},
+                                     {"names", "0x0F:0x10=on"},
+                                     {"names", "0=a+b"},
+                                     {"names", "70000=on"},
+                                     {"names", "halves"},
+                                     {"names", "1=a_name_with_more_characters_than_any_may_have"},
+                                     {"word_order", "middle"},
+                                     {"word_order", "selectable"},
+                                     {"word_order", "high"},
+                                     {"table", "coils"},
+                                     {"table", "coil"},
+                                     {"table", "input"},
+                                     {"description", "\"open"}})
+        refuse(std::string{"address,name,"} + c.column + "\n10,a," + c.text + "\n");
+    refuse("address,name,type,table\n1,a,u16,coil\n");
+    refuse("address,name,access,table\n1,a,rw,input\n");
+    refuse("address,name,names,table\n1,a,hex,coil\n");
+    refuse("address,name,min,max\n1,a,5,3\n");
+    refuse("address,name,min,max\n1,a,-1,3\n");
+    refuse("address,name,type,word_order\n1,a,u32,middle\n");
+    refuse("address,name,names\n1,a,1=a_name_that_is_longer_than_any_name_of_a_register_or_of_a_value_may_be_"
+           "in_a_file\n");
+    refuse("address,name,names\n1,a,1=2\n");
+    refuse("address,name,names\n1,a,off=0\n");
+    for (const char* scale : {"0.1,mA", "0.1,kW", "0.1,MS", "0.1,", "0x1/2,V", "1/2/3,V"})
+        refuse("address,name,scale,unit\n1,a," + std::string{scale} + "\n");
+    refuse("address,name,min,flags,access\n1,a,5,zero_by_name,rw\n");
+    refuse("address,name,saved,flags,access\n1,a,no,saved_on_write,rw\n");
+    refuse("address,name,type\n65535,a,u32\n");
+    refuse("address,name\n400001,a\n");
+    refuse("address,name\n1,2a\n");
+    refuse("address,name\n1,a_name_with_more_characters_than_any_name_may_have\n");
 }
 
 // The format of fuzz/fuzz_functions.cpp: the request's length, the request, the response; and that of
