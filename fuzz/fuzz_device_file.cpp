@@ -10,6 +10,7 @@
 #include <string>
 #include <string_view>
 
+#include "../examples/servobus/devices/device.hpp"
 #include "../examples/servobus/text/csv.cpp"
 #include "../examples/servobus/text/device_file.cpp"
 #include "../examples/servobus/text/device_names.cpp"

@@ -9,8 +9,10 @@
 #include <servobus/device/c630s/alarms.hpp>
 
 #include "os/interrupts.hpp"
+#include "streams/messages.hpp"
 #include "terminals.hpp"
 #include "text/streams.hpp"
+#include "words/numbers.hpp"
 
 namespace tool {
 namespace {

@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "devices/device.hpp"
 #include "parameters.hpp"
 
 namespace tool {

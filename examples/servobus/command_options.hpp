@@ -6,7 +6,7 @@
 
 #include <string_view>
 
-#include "commands.hpp"
+#include "command_line/command.hpp"
 
 namespace tool {
 

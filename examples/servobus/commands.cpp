@@ -5,12 +5,13 @@
 #include "commands.hpp"
 
 #include "command_options.hpp"
-#include "text/nearest.hpp"
+#include "commands/commands.hpp"
+#include "text/help.hpp"
 
 namespace tool {
 namespace {
 
-constexpr command table[] = {
+constexpr command all_commands[] = {
     {.name = "map",
      .words = "DEVICE [REG]",
      .summary = "the register map as CSV, or one register",
@@ -215,50 +216,14 @@ constexpr command table[] = {
      .words = "",
      .summary = "the manual page",
      .about = "Prints its source; to read it: servobus manual | man -l -.",
-     .run = manual},
+     .run = [](const arguments& asked) { return print_manual(commands(), asked); }},
 };
 
 } // namespace
 
-std::span<const command> commands() { return table; }
-
-std::span<const option_group* const> shared_options() { return line_and_records; }
-
-const option* command::find(std::string_view option_name) const {
-    for (const option& o : options) {
-        if (o.name == option_name) return &o;
-    }
-    for (const option_group* group : shared) {
-        for (const option& o : group->options) {
-            if (o.name == option_name) return &o;
-        }
-    }
-    return nullptr;
-}
-
-std::vector<std::string_view> command::option_names() const {
-    std::vector<std::string_view> names;
-    for (const option& o : options) names.push_back(o.name);
-    for (const option_group* group : shared) {
-        for (const option& o : group->options) names.push_back(o.name);
-    }
-    return names;
-}
-
-const command* find_command(std::string_view name) {
-    for (const command& c : table) {
-        if (c.name == name) return &c;
-    }
-    return nullptr;
-}
-
-const command* require_command(std::string_view name) {
-    if (const command* c = find_command(name)) return c;
-    std::vector<std::string_view> names;
-    for (const command& c : table) names.push_back(c.name);
-    complain(usage, "unknown command '" + std::string{name} + "'" +
-                        did_you_mean(name, names, "; see servobus --help"));
-    return nullptr;
+const command_table& commands() {
+    static constexpr command_table table{.all = all_commands, .shared = line_and_records};
+    return table;
 }
 
 } // namespace tool

@@ -1,24 +1,12 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
-//
-// What a person agrees to before a machine may move or lose its parameters.
-#include <cstdio>
-#include <iostream>
-#include <string>
+#include "registers/consent.hpp"
 
 #include "session.hpp"
+#include "streams/messages.hpp"
 #include "text/streams.hpp"
 
 namespace tool {
-
-std::string answer_to(const std::string& question) {
-    (void)std::fprintf(stderr, "%s", question.c_str());
-    (void)std::fflush(stderr);
-    std::string answer;
-    if (!std::getline(std::cin, answer)) (void)std::fputs("\n", stderr);
-    if (answer.ends_with('\r')) answer.pop_back(); // from a console of Windows
-    return answer;
-}
 
 int ask_consent(const arguments& asked, const std::string& verb, const char* to_do, const char* refusal) {
     if (asked.has("yes")) return done;

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
-//
-// The drives by name, and the devices of files by their paths.
+#include "devices/devices.hpp"
+
 #include <algorithm>
 #include <cstdlib>
 #include <deque>
@@ -9,9 +9,10 @@
 #include <vector>
 
 #include "devices/registered_drive.hpp"
+#include "streams/messages.hpp"
 #include "text/device_file.hpp"
 #include "text/nearest.hpp"
-#include "tool.hpp"
+#include "words/numbers.hpp"
 
 namespace tool {
 namespace {

@@ -6,6 +6,8 @@
 #include <cstdio>
 
 #include "changes.hpp"
+#include "devices/devices.hpp"
+#include "streams/messages.hpp"
 #include "text/device_file.hpp"
 #include "text/nearest.hpp"
 

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "command_line/arguments.hpp"
 #include "session.hpp"
 #include "text/machine_file.hpp"
 

@@ -5,6 +5,7 @@
 #include "parameters.hpp"
 
 #include "os/interrupts.hpp"
+#include "streams/messages.hpp"
 
 namespace tool {
 namespace {

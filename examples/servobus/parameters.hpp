@@ -17,6 +17,7 @@
 #include <string_view>
 #include <vector>
 
+#include "devices/device.hpp"
 #include "session.hpp"
 #include "text/progress.hpp"
 

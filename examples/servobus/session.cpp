@@ -6,6 +6,10 @@
 
 #include <algorithm>
 
+#include "devices/devices.hpp"
+#include "streams/messages.hpp"
+#include "words/numbers.hpp"
+
 namespace tool {
 
 std::optional<target> parse_target(std::string_view text) {

@@ -10,12 +10,13 @@
 
 #include <servobus/client/client.hpp>
 
+#include "command_line/arguments.hpp"
+#include "devices/device.hpp"
 #include "hear.hpp"
 #include "os/port.hpp"
 #include "text/line_settings.hpp"
 #include "text/raw.hpp"
 #include "text/stray_bytes.hpp"
-#include "tool.hpp"
 
 namespace tool {
 
@@ -98,9 +99,6 @@ std::string read_value(const servobus::entry& row, bool is_bit, std::string_view
 /// The words for VALUE, which was given for a register; the high word of a pair is first. Complains by itself
 /// if the register cannot hold it exactly or may not be written.
 std::optional<std::vector<u16>> parse_value(const chosen& what, std::string_view text);
-
-/// What a write of these words may do to a machine, in words; empty if it can move nothing.
-std::string peril(const target& of, const chosen& what, std::span<const u16> words);
 
 /// What went wrong on a port, in the drive's words, or what the bytes that came show of it.
 std::string why_text(const target& of, servobus::status why, const any_port& port);

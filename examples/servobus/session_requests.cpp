@@ -12,6 +12,7 @@
 #include <servobus/modbus/functions.hpp>
 
 #include "os/interrupts.hpp"
+#include "streams/messages.hpp"
 
 namespace tool {
 

@@ -6,6 +6,7 @@
 
 #include <string>
 
+#include "devices/device.hpp"
 #include "session.hpp"
 
 namespace tool {

@@ -4,7 +4,10 @@
 // servobus alarms: a drive's alarms as CSV, with advice from its manual.
 #include <cstdio>
 
-#include "../tool.hpp"
+#include "../devices/devices.hpp"
+#include "../streams/messages.hpp"
+#include "commands.hpp"
+
 
 namespace tool {
 

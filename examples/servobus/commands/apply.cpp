@@ -12,7 +12,11 @@
 #include "../machine.hpp"
 #include "../os/file_target.hpp"
 #include "../os/interrupts.hpp"
+#include "../registers/consent.hpp"
+#include "../streams/messages.hpp"
 #include "../text/device_file.hpp"
+#include "../words/numbers.hpp"
+#include "commands.hpp"
 
 namespace tool {
 namespace {

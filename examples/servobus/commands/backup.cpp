@@ -7,6 +7,8 @@
 #include "../os/file_target.hpp"
 #include "../os/interrupts.hpp"
 #include "../parameters.hpp"
+#include "../streams/messages.hpp"
+#include "commands.hpp"
 
 namespace tool {
 namespace {

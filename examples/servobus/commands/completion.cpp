@@ -6,8 +6,10 @@
 #include <cstdio>
 #include <filesystem>
 
-#include "../commands.hpp"
+#include "../devices/devices.hpp"
 #include "../session.hpp"
+#include "../streams/messages.hpp"
+#include "commands.hpp"
 
 namespace tool {
 namespace {
@@ -175,18 +177,18 @@ answer options_of(const command& of, std::span<const std::string> given) {
     return a;
 }
 
-answer command_names(bool has_options) {
+answer command_names(const command_table& all, bool has_options) {
     answer a;
-    for (const command& c : commands()) a.candidates.emplace_back(c.name);
+    for (const command& c : all.all) a.candidates.emplace_back(c.name);
     if (has_options) a.candidates.insert(a.candidates.end(), {"help", "--help", "--version"});
     return a;
 }
 
 // `words` are those before the last one, which was begun.
-answer complete(std::span<const std::string> words, std::string_view begun) {
-    if (words.empty()) return command_names(true);
-    if (words[0] == "help") return words.size() == 1 ? command_names(false) : answer{};
-    const command* const of = find_command(words[0]);
+answer complete(const command_table& all, std::span<const std::string> words, std::string_view begun) {
+    if (words.empty()) return command_names(all, true);
+    if (words[0] == "help") return words.size() == 1 ? command_names(all, false) : answer{};
+    const command* const of = all.find(words[0]);
     if (of == nullptr) return {};
     std::vector<std::string> before;
     std::vector<std::string> given;
@@ -222,7 +224,7 @@ bool is_break(std::string_view word) { return !word.empty() && word.find_first_n
 
 } // namespace
 
-int print_candidates(std::span<char* const> words) {
+int print_candidates(const command_table& all, std::span<char* const> words) {
     // The shell has replaced what precedes the last break of the word that is completed.
     std::vector<std::string> whole;
     std::size_t kept = 0;
@@ -238,7 +240,7 @@ int print_candidates(std::span<char* const> words) {
     const std::string begun = std::move(whole.back());
     whole.pop_back();
 
-    const answer a = complete(whole, begun);
+    const answer a = complete(all, whole, begun);
     (void)std::puts(a.kind);
     for (const std::string& candidate : a.candidates) {
         if (candidate.starts_with(begun))

@@ -5,6 +5,8 @@
 #include "../changes.hpp"
 #include "../machine.hpp"
 #include "../os/interrupts.hpp"
+#include "../streams/messages.hpp"
+#include "commands.hpp"
 
 namespace tool {
 

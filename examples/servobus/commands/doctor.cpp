@@ -6,14 +6,18 @@
 #include <cstdio>
 #include <utility>
 
-#include "../commands.hpp"
+#include "../devices/devices.hpp"
 #include "../doctor/device_file.hpp"
 #include "../doctor/examination.hpp"
 #include "../doctor/line_findings.hpp"
 #include "../doctor/other_drive.hpp"
 #include "../doctor/reading.hpp"
 #include "../os/interrupts.hpp"
+#include "../registers/consent.hpp"
+#include "../streams/messages.hpp"
 #include "../text/streams.hpp"
+#include "../words/numbers.hpp"
+#include "commands.hpp"
 
 namespace tool {
 namespace {
@@ -25,7 +29,7 @@ using diagnosis::is_refusal;
 // The options of the line as the command line has them, for the commands that findings name.
 std::string options_of(const arguments& asked) {
     std::string all;
-    for (const option& o : find_command("doctor")->shared[0]->options) {
+    for (const option& o : asked.of().shared[0]->options) {
         const char* const value = asked.text(o.name);
         if (value != nullptr && o.name != "echo") all += " --" + std::string{o.name} + ' ' + value;
     }

@@ -7,8 +7,10 @@
 #include <string>
 #include <vector>
 
+#include "../streams/messages.hpp"
 #include "../text/capture.hpp"
 #include "../text/streams.hpp"
+#include "commands.hpp"
 
 namespace tool {
 namespace {

@@ -6,12 +6,15 @@
 #include <cstdio>
 #include <map>
 
+#include "../devices/devices.hpp"
+#include "../streams/messages.hpp"
 #include "../text/cpp_codes.hpp"
 #include "../text/cpp_names.hpp"
 #include "../text/cpp_profile.hpp"
 #include "../text/cpp_rows.hpp"
 #include "../text/map_text.hpp"
-#include "../tool.hpp"
+#include "../words/numbers.hpp"
+#include "commands.hpp"
 
 namespace tool {
 namespace header_file {

@@ -9,9 +9,11 @@
 #include "../os/interrupts.hpp"
 #include "../os/listening_port.hpp"
 #include "../os/log_file.hpp"
+#include "../streams/messages.hpp"
 #include "../text/capture.hpp"
 #include "../text/streams.hpp"
 #include "../text/utc.hpp"
+#include "commands.hpp"
 #include "conversation.hpp"
 
 namespace tool {

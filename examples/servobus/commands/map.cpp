@@ -4,8 +4,11 @@
 // servobus map: a drive's registers as CSV, or one of them in words.
 #include <cstdio>
 
+#include "../devices/devices.hpp"
 #include "../session.hpp"
+#include "../streams/messages.hpp"
 #include "../text/map_text.hpp"
+#include "commands.hpp"
 #include "map_register.hpp"
 
 namespace tool {

@@ -8,6 +8,7 @@
 
 #include "../text/map_text.hpp"
 #include "../text/named_values.hpp"
+#include "../words/numbers.hpp"
 
 namespace tool {
 namespace {

@@ -4,6 +4,7 @@
 // One register of a map, for people.
 #pragma once
 
+#include "../devices/device.hpp"
 #include "../session.hpp"
 
 namespace tool {

@@ -13,13 +13,16 @@
 #include <servobus/modbus/pdu.hpp>
 #include <servobus/modbus/rtu.hpp>
 
-#include "../commands.hpp"
+#include "../devices/device.hpp"
 #include "../os/file_target.hpp"
 #include "../os/interrupts.hpp"
 #include "../probe/bench.hpp"
 #include "../session.hpp"
+#include "../streams/messages.hpp"
 #include "../text/findings_file.hpp"
 #include "../text/typed_value.hpp"
+#include "../words/numbers.hpp"
+#include "commands.hpp"
 
 namespace tool {
 namespace {
@@ -147,7 +150,7 @@ class leftovers {
     // The line of the drive may have options of its own, as the probe had.
     std::string command(const std::string& device, const std::string& writes) const {
         std::string all = "servobus write " + asked_->words()[0] + ' ' + device + writes;
-        for (const option& o : find_command("probe")->shared[0]->options) {
+        for (const option& o : asked_->of().shared[0]->options) {
             const char* const value = asked_->text(o.name);
             if (value != nullptr) all += " --" + std::string{o.name} + ' ' + value;
         }

@@ -5,11 +5,14 @@
 #include <algorithm>
 #include <cstdio>
 
+#include "../registers/consent.hpp"
 #include "../session.hpp"
+#include "../streams/messages.hpp"
 #include "../terminals.hpp"
 #include "../text/recorder.hpp"
 #include "../text/streams.hpp"
 #include "../text/typed_value.hpp"
+#include "commands.hpp"
 
 namespace tool {
 namespace {

@@ -7,6 +7,10 @@
 
 #include "../changes.hpp"
 #include "../os/interrupts.hpp"
+#include "../registers/consent.hpp"
+#include "../streams/messages.hpp"
+#include "../words/numbers.hpp"
+#include "commands.hpp"
 
 namespace tool {
 namespace {

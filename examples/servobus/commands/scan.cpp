@@ -6,7 +6,10 @@
 #include <utility>
 
 #include "../os/interrupts.hpp"
+#include "../streams/messages.hpp"
 #include "../text/line_words.hpp"
+#include "../words/numbers.hpp"
+#include "commands.hpp"
 #include "scan_pass.hpp"
 
 namespace tool {

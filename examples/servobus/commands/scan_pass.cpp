@@ -8,10 +8,13 @@
 
 #include <servobus/modbus/diagnostics.hpp>
 
+#include "../devices/device.hpp"
 #include "../identity.hpp"
 #include "../os/interrupts.hpp"
+#include "../streams/messages.hpp"
 #include "../text/line_words.hpp"
 #include "../text/streams.hpp"
+#include "../words/numbers.hpp"
 
 namespace tool::scanning {
 namespace {

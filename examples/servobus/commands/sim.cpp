@@ -2,11 +2,13 @@
 // SPDX-License-Identifier: BSL-1.0
 //
 // servobus sim: the command line of a simulated drive.
+#include "../devices/devices.hpp"
 #include "../devices/simulators.hpp"
+#include "../streams/messages.hpp"
 #include "../text/device_file.hpp"
 #include "../text/findings_file.hpp"
 #include "../text/line_settings.hpp"
-#include "../tool.hpp"
+#include "commands.hpp"
 
 #include <filesystem>
 

@@ -6,8 +6,11 @@
 #include <iostream>
 #include <string>
 
+#include "../devices/device.hpp"
 #include "../parameters.hpp"
+#include "../streams/messages.hpp"
 #include "../text/streams.hpp"
+#include "commands.hpp"
 
 namespace tool {
 namespace {

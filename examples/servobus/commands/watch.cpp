@@ -6,11 +6,14 @@
 #include <cstdio>
 #include <utility>
 
+#include "../devices/device.hpp"
 #include "../os/interrupts.hpp"
-#include "../os/os.hpp"
 #include "../session.hpp"
+#include "../streams/descriptors.hpp"
+#include "../streams/messages.hpp"
 #include "../text/recorder.hpp"
 #include "../text/streams.hpp"
+#include "commands.hpp"
 
 namespace tool {
 namespace {
@@ -133,7 +136,7 @@ int watch(const arguments& asked) {
     warn_of_watchdog(*of);
     interrupts::arm();
     on.wait_for_port({}); // each round looks whether it is back
-    display screen{os::is_terminal(stdout)};
+    display screen{streams::is_terminal(stdout)};
     const auto pause = servobus::milliseconds(static_cast<std::uint32_t>(*interval));
     servobus::instant due = native::monotonic_now();
     servobus::instant last = due;

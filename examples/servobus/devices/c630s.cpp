@@ -13,7 +13,7 @@
 #include <servobus/device/c630s/registers.hpp>
 
 #include "../doctor/c630s.hpp"
-#include "../parameters.hpp"
+#include "../session.hpp"
 #include "../probe/c630s.hpp"
 #include "../probe/c630s_switches.hpp"
 #include "at_rest.hpp"

@@ -15,7 +15,8 @@
 #include <servobus/core/time.hpp>
 #include <servobus/modbus/request_receiver.hpp>
 
-#include "../tool.hpp"
+#include "device.hpp"
+
 
 namespace tool {
 

@@ -12,7 +12,8 @@
 #include <string_view>
 #include <vector>
 
-#include "../tool.hpp"
+#include "device.hpp"
+
 
 namespace tool {
 

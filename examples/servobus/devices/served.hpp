@@ -7,7 +7,6 @@
 
 #include <servobus/modbus/server.hpp>
 
-#include "../tool.hpp"
 
 #ifdef _WIN32
 
@@ -35,6 +34,8 @@ template <class Model, class Server = servobus::modbus::server<Model>> class ser
 #include <servobus/posix/pseudo_terminal.hpp>
 #include <servobus/sim/faults.hpp>
 
+#include "../streams/messages.hpp"
+#include "simulators.hpp"
 #include "../text/streams.hpp"
 
 namespace tool {

@@ -5,11 +5,14 @@
 #include <servobus/sim/c630s.hpp>
 
 #include "../probe/c630s_switches.hpp"
+#include "../streams/messages.hpp"
 #include "served.hpp"
 #include "simulators.hpp"
 
 namespace tool {
 namespace {
+
+using servobus::u16;
 
 namespace coolmay = servobus::c630s;
 

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSL-1.0
 //
 // servobus sim FILE
+#include "device.hpp"
 #include "file_model.hpp"
 #include "served.hpp"
 #include "simulators.hpp"

@@ -5,11 +5,14 @@
 #include <servobus/sim/yako.hpp>
 
 #include "../probe/yako_switches.hpp"
+#include "../streams/messages.hpp"
 #include "served.hpp"
 #include "simulators.hpp"
 
 namespace tool {
 namespace {
+
+using servobus::u16;
 
 namespace yako = servobus::yako;
 

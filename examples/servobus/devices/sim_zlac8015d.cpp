@@ -5,11 +5,14 @@
 #include <servobus/sim/zlac8015d.hpp>
 
 #include "../probe/zlac8015d_switches.hpp"
+#include "../streams/messages.hpp"
 #include "served.hpp"
 #include "simulators.hpp"
 
 namespace tool {
 namespace {
+
+using servobus::u16;
 
 namespace zlac = servobus::zlac8015d;
 

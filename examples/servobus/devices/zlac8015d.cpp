@@ -11,6 +11,7 @@
 #include "../doctor/zlac8015d.hpp"
 #include "../probe/zlac8015d.hpp"
 #include "../probe/zlac8015d_switches.hpp"
+#include "../words/numbers.hpp"
 #include "at_rest.hpp"
 #include "registered_drive.hpp"
 #include "simulators.hpp"

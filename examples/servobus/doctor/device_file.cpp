@@ -4,9 +4,11 @@
 
 #include <set>
 
+#include "../devices/device.hpp"
 #include "../os/interrupts.hpp"
 #include "../parameters.hpp"
 #include "../text/typed_value.hpp"
+#include "../words/numbers.hpp"
 #include "other_drive.hpp"
 #include "reading.hpp"
 

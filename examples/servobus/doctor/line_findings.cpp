@@ -9,6 +9,7 @@
 #include "../hear.hpp"
 #include "../os/interrupts.hpp"
 #include "../os/port_users.hpp"
+#include "../words/numbers.hpp"
 
 namespace tool::diagnosis {
 namespace {

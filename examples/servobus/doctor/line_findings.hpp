@@ -7,6 +7,7 @@
 #include <optional>
 #include <span>
 
+#include "../devices/devices.hpp"
 #include "../text/line_words.hpp"
 #include "report.hpp"
 

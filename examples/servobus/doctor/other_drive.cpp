@@ -5,6 +5,7 @@
 #include <array>
 
 #include "../devices/at_rest.hpp"
+#include "../devices/devices.hpp"
 #include "../identity.hpp"
 
 namespace tool::diagnosis {

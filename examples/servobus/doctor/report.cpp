@@ -4,7 +4,9 @@
 
 #include <cstdio>
 
+#include "../streams/messages.hpp"
 #include "../text/typed_value.hpp"
+#include "../words/numbers.hpp"
 
 namespace tool::diagnosis {
 namespace {

@@ -17,7 +17,8 @@
 
 #include <servobus/posix/descriptor.hpp>
 
-#include "../tool.hpp"
+#include "../streams/messages.hpp"
+#include "../words/numbers.hpp"
 #include "write_all.hpp"
 
 namespace tool {

@@ -7,7 +7,7 @@
 #include <cerrno>
 #include <cstring>
 
-#include "../tool.hpp"
+#include "../streams/messages.hpp"
 #include "files_windows.hpp"
 
 namespace tool {

@@ -4,7 +4,8 @@
 
 #include <vector>
 
-#include "../tool.hpp"
+#include "../streams/messages.hpp"
+
 
 namespace tool {
 

@@ -1,11 +1,10 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// What the tool needs of the operating system: its ports, its terminal, its words for errors. Files are in
+// What the tool needs of the operating system: its ports, its words for errors. Files are in
 // locked_file.hpp and file_target.hpp, signals in interrupts.hpp.
 #pragma once
 
-#include <cstdio>
 #include <string>
 #include <string_view>
 
@@ -34,18 +33,6 @@ inline constexpr const char* busy_text =
 #else
 inline constexpr const char* busy_text = "another program uses it";
 #endif
-
-/// Before anything is opened. A standard descriptor that is closed becomes one on which every read and write
-/// fails: no port or file that is opened later gets its number (Windows gives no file these numbers). A pipe whose
-/// reader has gone and a file that grows too large are errors of a write, not signals that end the program between two
-/// frames. Text has the same bytes on every system: lines end with LF.
-void prepare_streams();
-
-/// True for a terminal whose cursor escape sequences move.
-bool is_terminal(std::FILE* stream);
-
-/// Some file systems report a lost write only when a descriptor is closed. 0 or `errno`.
-int close_copy_of(std::FILE* stream);
 
 /// An error number of a port, in words.
 std::string error_text(int error);

@@ -7,9 +7,6 @@
 #include <iterator>
 #include <system_error>
 
-#include <fcntl.h>
-#include <io.h>
-
 #include "../../host.hpp"
 #include "interrupts.hpp"
 
@@ -19,23 +16,6 @@ void interrupts::arm() { ::host::watch_for_interruptions(); }
 bool interrupts::came() { return ::host::is_interrupted(); }
 
 namespace os {
-
-void prepare_streams() {
-    for (std::FILE* const stream : {stdin, stdout, stderr}) (void)::_setmode(::_fileno(stream), _O_BINARY);
-}
-
-bool is_terminal(std::FILE* stream) {
-    constexpr DWORD sequences = 0x4; // ENABLE_VIRTUAL_TERMINAL_PROCESSING, since Windows 10
-    const HANDLE console = ::GetStdHandle(stream == stdout ? STD_OUTPUT_HANDLE : STD_ERROR_HANDLE);
-    DWORD mode = 0;
-    return ::_isatty(::_fileno(stream)) != 0 && ::GetConsoleMode(console, &mode) != 0 &&
-           ::SetConsoleMode(console, mode | sequences) != 0;
-}
-
-int close_copy_of(std::FILE* stream) {
-    const int copy = ::_dup(::_fileno(stream));
-    return copy >= 0 && ::_close(copy) != 0 ? errno : 0;
-}
 
 // In the words of the other systems, where the C++ library knows them.
 std::string error_text(int error) {

@@ -7,8 +7,9 @@
 #include <algorithm>
 #include <optional>
 
+#include "../streams/messages.hpp"
 #include "../text/log_line.hpp"
-#include "../tool.hpp"
+#include "../words/numbers.hpp"
 #include "port_users.hpp"
 
 namespace tool {

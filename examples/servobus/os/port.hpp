@@ -14,7 +14,7 @@
 #include <servobus/line/port.hpp>
 #include <servobus/modbus/rtu.hpp>
 
-#include "../tool.hpp"
+#include "../command_line/arguments.hpp"
 #include "os.hpp"
 
 namespace tool {

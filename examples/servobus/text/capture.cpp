@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSL-1.0
 #include "capture.hpp"
 
+#include "../streams/messages.hpp"
+
 namespace tool {
 namespace {
 

@@ -7,6 +7,7 @@
 #include <servobus/registers/format.hpp>
 
 #include "../session.hpp"
+#include "../streams/messages.hpp"
 #include "utc.hpp"
 
 namespace tool {

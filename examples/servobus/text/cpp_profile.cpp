@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSL-1.0
 #include "cpp_profile.hpp"
 
-#include "../tool.hpp"
+#include "../words/numbers.hpp"
 #include "cpp_names.hpp"
 
 namespace tool::cpp {

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <iterator>
 
-#include "../tool.hpp"
+#include "../words/numbers.hpp"
 #include "cpp_names.hpp"
 #include "map_text.hpp"
 

@@ -8,11 +8,13 @@
 #include <cstring>
 #include <filesystem>
 
-#include "../tool.hpp"
+#include "../words/numbers.hpp"
 #include "nearest.hpp"
 
 namespace tool {
 namespace {
+
+using servobus::u16;
 
 constexpr std::string_view blanks = " \t";
 

@@ -7,7 +7,7 @@
 #include <span>
 #include <utility>
 
-#include "../tool.hpp"
+#include "../words/numbers.hpp"
 #include "csv.hpp"
 
 namespace tool {

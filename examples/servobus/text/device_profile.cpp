@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <optional>
 
-#include "../tool.hpp"
+#include "../words/numbers.hpp"
 #include "csv.hpp"
 #include "line_settings.hpp"
 #include "map_text.hpp"

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <optional>
 
-#include "../tool.hpp"
+#include "../words/numbers.hpp"
 #include "csv.hpp"
 #include "device_names.hpp"
 #include "device_unit.hpp"
@@ -17,6 +17,8 @@ namespace {
 using servobus::access;
 using servobus::entry;
 using servobus::flag;
+using servobus::u16;
+using servobus::u32;
 using servobus::value_kind;
 
 // Reads the cells one by one. Each step that fails gives its reason.

@@ -8,7 +8,7 @@
 #include <span>
 #include <vector>
 
-#include "../tool.hpp"
+#include "../words/numbers.hpp"
 #include "csv.hpp"
 #include "nearest.hpp"
 

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 
-#include "../tool.hpp"
 #include "csv.hpp"
 #include "nearest.hpp"
 

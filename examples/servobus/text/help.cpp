@@ -8,6 +8,8 @@
 
 #include <servobus/core/version.hpp>
 
+#include "../help/topics.hpp"
+
 namespace tool {
 namespace {
 
@@ -88,9 +90,9 @@ std::string heading_of(const option& o) {
     return "--" + std::string{o.name} + (o.takes_value() ? " " + std::string{o.value} : "");
 }
 
-std::string users_of(const option_group& group) {
+std::string users_of(const option_group& group, const command_table& all) {
     std::vector<std::string_view> names;
-    for (const command& c : commands()) {
+    for (const command& c : all.all) {
         if (std::ranges::find(c.shared, &group) != c.shared.end()) names.push_back(c.name);
     }
     std::string text;
@@ -101,11 +103,11 @@ std::string users_of(const option_group& group) {
     return text;
 }
 
-std::string help() {
+std::string help(const command_table& all) {
     std::string out = "servobus: " + std::string{purpose} + "\n\n";
     std::size_t summary_column = 0;
-    for (const command& c : commands()) summary_column = std::max(summary_column, usage_of(c).size() + 4);
-    for (const command& c : commands()) {
+    for (const command& c : all.all) summary_column = std::max(summary_column, usage_of(c).size() + 4);
+    for (const command& c : all.all) {
         const std::string line = "  " + usage_of(c);
         out += line;
         wrap(out, c.summary, summary_column, line.size());
@@ -115,14 +117,14 @@ std::string help() {
     wrap(out, "one command", summary_column, of_one.size());
     out += "  servobus --version\n\n";
     for (const topic& t : topics()) put_topic(out, t);
-    for (const command& c : commands()) {
+    for (const command& c : all.all) {
         out += '\n';
         wrap(out, std::string{c.name} + ": " + std::string{c.about}, 0, 0);
         put_options(out, c.options);
     }
-    for (const option_group* group : shared_options()) {
+    for (const option_group* group : all.shared) {
         out += '\n';
-        wrap(out, std::string{group->title} + ", for " + users_of(*group) + ". " + std::string{group->note},
+        wrap(out, std::string{group->title} + ", for " + users_of(*group, all) + ". " + std::string{group->note},
              0, 0);
         put_options(out, group->options);
     }

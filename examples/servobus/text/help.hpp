@@ -6,7 +6,7 @@
 
 #include <string>
 
-#include "../commands.hpp"
+#include "../command_line/arguments.hpp"
 
 namespace tool {
 
@@ -20,14 +20,16 @@ std::string sentence(std::string_view text);
 std::string heading_of(const option& o);
 
 /// The names of the commands that have these options: `read, write and watch`.
-std::string users_of(const option_group& group);
+std::string users_of(const option_group& group, const command_table& all);
 
 /// All commands; no line is longer than 80 columns.
-std::string help();
+std::string help(const command_table& all);
 /// One command, with what its words and options mean.
 std::string help_of(const command& c);
 
 /// The manual page in roff.
-std::string manual_page();
+std::string manual_page(const command_table& all);
+/// `servobus manual`. Returns the exit status.
+int print_manual(const command_table& all, const arguments& asked);
 
 } // namespace tool

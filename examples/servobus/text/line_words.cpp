@@ -5,7 +5,8 @@
 #include <cstdio>
 #include <utility>
 
-#include "../tool.hpp"
+#include "../words/numbers.hpp"
+
 
 namespace tool {
 namespace {

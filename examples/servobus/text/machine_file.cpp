@@ -4,6 +4,8 @@
 
 #include <algorithm>
 
+#include "../devices/devices.hpp"
+#include "../words/numbers.hpp"
 #include "line_settings.hpp"
 #include "nearest.hpp"
 

@@ -19,6 +19,7 @@
 
 #include <servobus/registers/profile.hpp>
 
+#include "../devices/device.hpp"
 #include "../parameters.hpp"
 #include "csv.hpp"
 

@@ -4,6 +4,8 @@
 // servobus manual: the manual page. It has no date, so that the same version is always the same page.
 #include <cstdio>
 
+#include "../help/topics.hpp"
+#include "../streams/messages.hpp"
 #include "help.hpp"
 
 namespace tool {
@@ -61,13 +63,13 @@ std::string placeholders_of(const command& c) {
 
 } // namespace
 
-std::string manual_page() {
+std::string manual_page(const command_table& all) {
     std::string out = ".\\\" SPDX-FileCopyrightText: The servobus authors\n"
                       ".\\\" SPDX-License-Identifier: BSL-1.0\n"
                       ".TH SERVOBUS 1 \"\" \"servobus " +
                       version_text() + "\" \"User Commands\"\n.nh\n.ad l\n.SH NAME\nservobus \\- " +
                       roff(purpose) + "\n.SH SYNOPSIS\n";
-    for (const command& c : commands()) {
+    for (const command& c : all.all) {
         const bool has_options = !c.options.empty() || !c.shared.empty();
         out += bold("servobus " + std::string{c.name}) + placeholders_of(c) +
                (has_options ? " [\\fIOPTION\\fR...]" : "") + "\n.br\n";
@@ -79,15 +81,15 @@ std::string manual_page() {
         put_text(out, t.about, ".IP\n");
     }
     out += ".SH COMMANDS\n";
-    for (const command& c : commands()) {
+    for (const command& c : all.all) {
         out += ".SS \"" + bold(c.name) + placeholders_of(c) + "\"\n" + roff(sentence(c.summary)) + "\n";
         put_text(out, c.about, ".PP\n");
         put_paragraphs(out, c.options);
     }
     out += ".SH OPTIONS\n";
-    for (const option_group* group : shared_options()) {
+    for (const option_group* group : all.shared) {
         out +=
-            ".SS \"" + roff(group->title) + "\"\nFor " + users_of(*group) + ".\n" + roff(group->note) + "\n";
+            ".SS \"" + roff(group->title) + "\"\nFor " + users_of(*group, all) + ".\n" + roff(group->note) + "\n";
         put_paragraphs(out, group->options);
     }
     out += ".SH EXIT STATUS\n";
@@ -97,9 +99,9 @@ std::string manual_page() {
     return out;
 }
 
-int manual(const arguments& asked) {
+int print_manual(const command_table& all, const arguments& asked) {
     if (!asked.words().empty()) return complain(usage, "manual takes no words");
-    (void)std::fputs(manual_page().c_str(), stdout);
+    (void)std::fputs(manual_page(all).c_str(), stdout);
     return done;
 }
 

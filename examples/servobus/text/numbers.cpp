@@ -1,15 +1,13 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
-//
-// Whole numbers, counts and addresses as text, and back.
+#include "../words/numbers.hpp"
+
 #include <charconv>
 #include <cstdio>
 
-#include "../tool.hpp"
-
 namespace tool {
 
-std::string hex_word(u16 word) {
+std::string hex_word(std::uint16_t word) {
     char text[8];
     (void)std::snprintf(text, sizeof text, "0x%04X", static_cast<unsigned>(word));
     return text;

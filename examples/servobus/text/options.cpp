@@ -1,30 +1,12 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
-//
-// The command line: options, complaints.
-#include "../tool.hpp"
+#include "../command_line/arguments.hpp"
 
-#include <cstdio>
-
-#include "../commands.hpp"
+#include "../streams/messages.hpp"
+#include "../words/numbers.hpp"
 #include "nearest.hpp"
-#include "streams.hpp"
 
 namespace tool {
-
-int complain(int status, const std::string& message) {
-    note(message);
-    return status;
-}
-
-static std::size_t notes_written = 0;
-std::size_t note_count() { return notes_written; }
-
-void note(const std::string& message) {
-    ++notes_written;
-    (void)streams::flush();
-    (void)std::fprintf(stderr, "servobus: %s\n", message.c_str());
-}
 
 namespace {
 
@@ -38,7 +20,7 @@ void complain_unknown(const std::string& shown, const command& of) {
 } // namespace
 
 std::optional<arguments> arguments::parse(std::span<char* const> words, const command& of) {
-    arguments parsed;
+    arguments parsed{of};
     for (std::size_t i = 0; i < words.size(); ++i) {
         const std::string_view word = words[i];
         if (!word.starts_with("--")) {

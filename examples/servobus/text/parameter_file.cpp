@@ -12,6 +12,8 @@
 #include <servobus/modbus/crc16.hpp>
 
 #include "../parameters.hpp"
+#include "../streams/messages.hpp"
+#include "../words/numbers.hpp"
 
 namespace tool {
 namespace {

@@ -8,14 +8,14 @@
 #include <cstdio>
 #include <string>
 
-#include "../os/os.hpp"
+#include "../streams/descriptors.hpp"
 
 namespace tool {
 
 class progress {
   public:
     progress(std::string doing, std::size_t all)
-        : doing_{std::move(doing)}, all_{all}, moves_{os::is_terminal(stderr)} {}
+        : doing_{std::move(doing)}, all_{all}, moves_{streams::is_terminal(stderr)} {}
     progress(const progress&) = delete;
     progress& operator=(const progress&) = delete;
     ~progress() { end(); }

@@ -9,6 +9,8 @@
 #include <servobus/modbus/bits.hpp>
 
 #include "../session.hpp"
+#include "../streams/messages.hpp"
+#include "../words/numbers.hpp"
 #include "nearest.hpp"
 
 namespace tool {

@@ -15,9 +15,10 @@
 #include <servobus/registers/tables.hpp>
 #include <servobus/registers/wire.hpp>
 
-#include "../tool.hpp"
-
 namespace tool {
+
+using servobus::u16;
+using servobus::u32;
 
 /// The type of a value in words without a map.
 enum class raw_type : std::uint8_t {

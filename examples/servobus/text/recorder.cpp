@@ -4,6 +4,7 @@
 
 #include <cstdio>
 
+#include "../streams/messages.hpp"
 #include "streams.hpp"
 
 namespace tool {

@@ -7,6 +7,7 @@
 #include <optional>
 #include <span>
 
+#include "../command_line/arguments.hpp"
 #include "../os/log_file.hpp"
 #include "columns.hpp"
 

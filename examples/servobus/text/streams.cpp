@@ -8,8 +8,8 @@
 #include <cstdio>
 #include <cstring>
 
-#include "../os/os.hpp"
-#include "../tool.hpp"
+#include "../streams/descriptors.hpp"
+#include "../streams/messages.hpp"
 
 namespace tool::streams {
 namespace {
@@ -31,10 +31,10 @@ std::string reason() {
 } // namespace
 
 void prepare() {
-    os::prepare_streams();
+    prepare_descriptors();
     // Room for what a command prints between two flushes, whose failure has an errno. A terminal has lines.
     static char room[1u << 16];
-    if (!os::is_terminal(stdout)) (void)std::setvbuf(stdout, room, _IOFBF, sizeof room);
+    if (!is_terminal(stdout)) (void)std::setvbuf(stdout, room, _IOFBF, sizeof room);
 }
 
 bool flush() {
@@ -57,7 +57,7 @@ int end_of_input(int status) {
 
 int finish(int status) {
     if (flush()) {
-        if (const int why = os::close_copy_of(stdout); why != 0) lose(why);
+        if (const int why = close_copy_of(stdout); why != 0) lose(why);
     }
     if (is_lost && !is_said) note(reason());
     return is_lost && status == done ? failed : status;

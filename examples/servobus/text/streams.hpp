@@ -9,7 +9,7 @@
 
 namespace tool::streams {
 
-/// Before anything is opened; see os::prepare_streams.
+/// Before anything is opened; see descriptors.hpp.
 void prepare();
 
 /// Flushes standard output. False if any of the output so far could not be written: a command that goes on

@@ -1,8 +1,6 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
-//
-// What help and man page say of more than one command.
-#include "../commands.hpp"
+#include "../help/topics.hpp"
 
 namespace tool {
 

@@ -6,8 +6,6 @@
 #include <cstdio>
 #include <vector>
 
-#include "../parameters.hpp"
-
 namespace tool {
 
 std::string typed_value(const chosen& what, std::span<const u16> words) {

@@ -8,6 +8,8 @@
 #include <algorithm>
 
 #include "../session.hpp"
+#include "../streams/messages.hpp"
+#include "../words/numbers.hpp"
 #include "map_text.hpp"
 #include "named_values.hpp"
 #include "nearest.hpp"
