@@ -10,17 +10,17 @@
 #include <string>
 #include <string_view>
 
+#include "../examples/servobus/device_file/device_file.cpp"
+#include "../examples/servobus/device_file/device_names.cpp"
+#include "../examples/servobus/device_file/device_profile.cpp"
+#include "../examples/servobus/device_file/device_row.cpp"
+#include "../examples/servobus/device_file/device_unit.cpp"
+#include "../examples/servobus/device_file/map_text.cpp"
 #include "../examples/servobus/devices/device.hpp"
-#include "../examples/servobus/text/csv.cpp"
-#include "../examples/servobus/text/device_file.cpp"
-#include "../examples/servobus/text/device_names.cpp"
-#include "../examples/servobus/text/device_profile.cpp"
-#include "../examples/servobus/text/device_row.cpp"
-#include "../examples/servobus/text/device_unit.cpp"
-#include "../examples/servobus/text/line_settings.cpp"
-#include "../examples/servobus/text/map_text.cpp"
-#include "../examples/servobus/text/nearest.cpp"
-#include "../examples/servobus/text/numbers.cpp"
+#include "../examples/servobus/words/csv.cpp"
+#include "../examples/servobus/words/line_settings.cpp"
+#include "../examples/servobus/words/nearest.cpp"
+#include "../examples/servobus/words/numbers.cpp"
 #include "refused_file.hpp"
 #include "support.hpp"
 

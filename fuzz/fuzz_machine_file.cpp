@@ -15,15 +15,15 @@
 #include <servobus/device/yako/closed_loop.hpp>
 #include <servobus/device/yako/closed_loop_catalogue.hpp>
 
-#include "../examples/servobus/text/csv.cpp"
-#include "../examples/servobus/text/findings_file.cpp"
-#include "../examples/servobus/text/line_settings.cpp"
-#include "../examples/servobus/text/machine_file.cpp"
-#include "../examples/servobus/text/map_text.cpp"
-#include "../examples/servobus/text/nearest.cpp"
-#include "../examples/servobus/text/numbers.cpp"
-#include "../examples/servobus/text/raw.cpp"
-#include "../examples/servobus/text/values.cpp"
+#include "../examples/servobus/device_file/map_text.cpp"
+#include "../examples/servobus/interpretations/findings_file.cpp"
+#include "../examples/servobus/machine/machine_file.cpp"
+#include "../examples/servobus/registers/raw.cpp"
+#include "../examples/servobus/registers/values.cpp"
+#include "../examples/servobus/words/csv.cpp"
+#include "../examples/servobus/words/line_settings.cpp"
+#include "../examples/servobus/words/nearest.cpp"
+#include "../examples/servobus/words/numbers.cpp"
 #include "refused_file.hpp"
 #include "support.hpp"
 

@@ -12,10 +12,10 @@
 
 #include <servobus/registers/catalogue.hpp>
 
-#include "../servobus/devices/at_rest.hpp"
 #include "../servobus/devices/registered_drive.hpp"
-#include "../servobus/devices/served.hpp"
 #include "../servobus/doctor/examination.hpp"
+#include "../servobus/registers/at_rest.hpp"
+#include "../servobus/simulators/served.hpp"
 #include "own_device.hpp"
 #include "own_simulator.hpp"
 

@@ -10,7 +10,7 @@
 #include <servobus/device/yako/open_loop_catalogue.hpp>
 #include <servobus/device/zlac8015d/catalogue.hpp>
 
-#include "../servobus/text/named_values.hpp"
+#include "../servobus/device_file/named_values.hpp"
 
 namespace {
 

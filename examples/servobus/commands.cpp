@@ -6,7 +6,7 @@
 
 #include "command_options.hpp"
 #include "commands/commands.hpp"
-#include "text/help.hpp"
+#include "help/help.hpp"
 
 namespace tool {
 namespace {

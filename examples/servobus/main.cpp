@@ -10,9 +10,9 @@
 #include "command_line/arguments.hpp"
 #include "commands.hpp"
 #include "commands/completion.hpp"
+#include "help/help.hpp"
 #include "streams/messages.hpp"
-#include "text/help.hpp"
-#include "text/streams.hpp"
+#include "streams/streams.hpp"
 
 namespace {
 

@@ -57,13 +57,13 @@ foreach(scheme tcp mbap)
 endforeach()
 check(tool.probe_of_others LABELS tool REAL_TIME COST 70 ENVIRONMENT "PROBED=yako-closed-loop c630s"
       COMMAND ${python} tests/tool/probe.py ${tool}
-      OF examples/servobus/probe)
+      OF examples/servobus/probe examples/servobus/interpretations)
 check(tool.troubles LABELS tool REAL_TIME COST 75 COMMAND ${python} tests/tool/troubles.py ${tool})
 check(tool.line_texts LABELS tool REAL_TIME COST 50 COMMAND ${python} tests/tool/line_texts.py ${tool})
 # A device of these tests is late where others compute.
 set_tests_properties(tool.troubles tool.line_texts PROPERTIES RUN_SERIAL ON)
 check(posix.portable LABELS posix REAL_TIME COST 70 COMMAND sh tests/portable.sh
-      OF include/servobus/posix tests/run/posix examples/servobus/os)
+      OF include/servobus/posix tests/run/posix examples/servobus/os examples/servobus/streams)
 
 # A hostile line, and fuzzing: the same inputs in every run, for what a search finds must not turn an unrelated change red.
 # As few runs as must have played each kind of event; `sh tests/sim.sh` has 1600.
@@ -110,14 +110,14 @@ check(example.ros2_terminal LABELS example REAL_TIME COST 25 COMMAND sh tests/ro
 set(mingw ${CMAKE_CURRENT_BINARY_DIR}/mingw)
 check(windows.headers LABELS windows COST 20 COMMAND ${python} tests/windows/headers.py)
 check(windows.programs LABELS windows COST 120 COMMAND ${python} tests/windows/programs.py ${mingw}
-      OF include/servobus/windows tests/windows examples/servobus/os)
+      OF include/servobus/windows tests/windows examples/servobus/os examples/servobus/streams)
 check(windows.removed LABELS windows COMMAND ${CMAKE_COMMAND} -E rm -rf ${mingw}/wine)
 set_tests_properties(windows.programs PROPERTIES FIXTURES_SETUP windows)
 set_tests_properties(windows.removed PROPERTIES FIXTURES_CLEANUP windows)
 function(check_on_wine name cost program)
   check(windows.${name} LABELS windows REAL_TIME COST ${cost}
         COMMAND ${python} tests/windows/${program}.py ${tool} ${mingw} ${ARGN}
-      OF include/servobus/windows tests/windows examples/servobus/os)
+      OF include/servobus/windows tests/windows examples/servobus/os examples/servobus/streams)
   set_tests_properties(windows.${name} PROPERTIES FIXTURES_REQUIRED windows)
 endfunction()
 check_on_wine(port 20 port)

@@ -9,7 +9,7 @@
 
 #include <doctest/doctest.h>
 
-#include <examples/servobus/commands/frame_cutter.hpp>
+#include <examples/servobus/capture/frame_cutter.hpp>
 
 namespace tests::listening {
 

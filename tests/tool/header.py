@@ -139,7 +139,7 @@ TABLES = {"coil": "coils", "discrete": "discrete_inputs", "holding": "holding_re
 PRINTS = """
 #include <cstdio>
 
-#include <examples/servobus/text/map_text.hpp>
+#include <examples/servobus/device_file/map_text.hpp>
 
 static void print(const servobus::catalogue& of, servobus::table in) {
     for (const servobus::entry& e : of.entries)
@@ -215,7 +215,7 @@ def comes_back(tool: Tool):
         header = tool.run(f"header {device}")
         tool.check(f"header {device} is made", header.status == 0 and header.err == "")
         tool.write(f"{name}.hpp", header.out)
-    if not compiles(tool, "prints", program(maps), f"{ROOT}/examples/servobus/text/map_text.cpp"):
+    if not compiles(tool, "prints", program(maps), f"{ROOT}/examples/servobus/device_file/map_text.cpp"):
         return
     printed = tool.run("", program=[str(tool.folder / "prints")]).lines
     for name, shown in maps.items():

@@ -5,7 +5,7 @@
 #include <string>
 
 #include "../streams/messages.hpp"
-#include "../text/nearest.hpp"
+#include "../words/nearest.hpp"
 
 namespace tool {
 

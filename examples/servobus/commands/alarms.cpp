@@ -8,7 +8,6 @@
 #include "../streams/messages.hpp"
 #include "commands.hpp"
 
-
 namespace tool {
 
 int alarms(const arguments& asked) {

@@ -8,13 +8,13 @@
 #include <deque>
 #include <filesystem>
 
-#include "../changes.hpp"
-#include "../machine.hpp"
+#include "../device_file/device_file.hpp"
+#include "../machine/machine.hpp"
 #include "../os/file_target.hpp"
 #include "../os/interrupts.hpp"
+#include "../parameters/changes.hpp"
 #include "../registers/consent.hpp"
 #include "../streams/messages.hpp"
-#include "../text/device_file.hpp"
 #include "../words/numbers.hpp"
 #include "commands.hpp"
 

@@ -6,7 +6,7 @@
 
 #include "../os/file_target.hpp"
 #include "../os/interrupts.hpp"
-#include "../parameters.hpp"
+#include "../parameters/parameters.hpp"
 #include "../streams/messages.hpp"
 #include "commands.hpp"
 

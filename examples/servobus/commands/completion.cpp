@@ -7,7 +7,7 @@
 #include <filesystem>
 
 #include "../devices/devices.hpp"
-#include "../session.hpp"
+#include "../registers/session.hpp"
 #include "../streams/messages.hpp"
 #include "commands.hpp"
 

@@ -2,9 +2,9 @@
 // SPDX-License-Identifier: BSL-1.0
 //
 // servobus diff: the drives of a machine file compared with it. It only reads.
-#include "../changes.hpp"
-#include "../machine.hpp"
+#include "../machine/machine.hpp"
 #include "../os/interrupts.hpp"
+#include "../parameters/changes.hpp"
 #include "../streams/messages.hpp"
 #include "commands.hpp"
 

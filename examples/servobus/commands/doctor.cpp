@@ -15,7 +15,7 @@
 #include "../os/interrupts.hpp"
 #include "../registers/consent.hpp"
 #include "../streams/messages.hpp"
-#include "../text/streams.hpp"
+#include "../streams/streams.hpp"
 #include "../words/numbers.hpp"
 #include "commands.hpp"
 

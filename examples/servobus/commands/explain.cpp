@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
+#include "../capture/capture.hpp"
 #include "../streams/messages.hpp"
-#include "../text/capture.hpp"
-#include "../text/streams.hpp"
+#include "../streams/streams.hpp"
 #include "commands.hpp"
 
 namespace tool {

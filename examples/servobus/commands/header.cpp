@@ -6,13 +6,13 @@
 #include <cstdio>
 #include <map>
 
+#include "../cpp/cpp_codes.hpp"
+#include "../cpp/cpp_names.hpp"
+#include "../cpp/cpp_profile.hpp"
+#include "../cpp/cpp_rows.hpp"
+#include "../device_file/map_text.hpp"
 #include "../devices/devices.hpp"
 #include "../streams/messages.hpp"
-#include "../text/cpp_codes.hpp"
-#include "../text/cpp_names.hpp"
-#include "../text/cpp_profile.hpp"
-#include "../text/cpp_rows.hpp"
-#include "../text/map_text.hpp"
 #include "../words/numbers.hpp"
 #include "commands.hpp"
 

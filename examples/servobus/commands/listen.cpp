@@ -6,15 +6,15 @@
 #include <chrono>
 #include <cstdio>
 
+#include "../capture/capture.hpp"
+#include "../capture/conversation.hpp"
 #include "../os/interrupts.hpp"
 #include "../os/listening_port.hpp"
 #include "../os/log_file.hpp"
 #include "../streams/messages.hpp"
-#include "../text/capture.hpp"
-#include "../text/streams.hpp"
-#include "../text/utc.hpp"
+#include "../streams/streams.hpp"
+#include "../words/utc.hpp"
 #include "commands.hpp"
-#include "conversation.hpp"
 
 namespace tool {
 namespace {

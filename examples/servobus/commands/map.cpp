@@ -4,10 +4,10 @@
 // servobus map: a drive's registers as CSV, or one of them in words.
 #include <cstdio>
 
+#include "../device_file/map_text.hpp"
 #include "../devices/devices.hpp"
-#include "../session.hpp"
+#include "../registers/session.hpp"
 #include "../streams/messages.hpp"
-#include "../text/map_text.hpp"
 #include "commands.hpp"
 #include "map_register.hpp"
 

@@ -6,8 +6,8 @@
 
 #include <servobus/registers/format.hpp>
 
-#include "../text/map_text.hpp"
-#include "../text/named_values.hpp"
+#include "../device_file/map_text.hpp"
+#include "../device_file/named_values.hpp"
 #include "../words/numbers.hpp"
 
 namespace tool {

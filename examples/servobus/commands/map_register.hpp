@@ -5,7 +5,7 @@
 #pragma once
 
 #include "../devices/device.hpp"
-#include "../session.hpp"
+#include "../registers/session.hpp"
 
 namespace tool {
 

@@ -14,13 +14,13 @@
 #include <servobus/modbus/rtu.hpp>
 
 #include "../devices/device.hpp"
+#include "../interpretations/findings_file.hpp"
 #include "../os/file_target.hpp"
 #include "../os/interrupts.hpp"
 #include "../probe/bench.hpp"
-#include "../session.hpp"
+#include "../registers/session.hpp"
+#include "../registers/typed_value.hpp"
 #include "../streams/messages.hpp"
-#include "../text/findings_file.hpp"
-#include "../text/typed_value.hpp"
 #include "../words/numbers.hpp"
 #include "commands.hpp"
 

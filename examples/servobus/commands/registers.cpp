@@ -5,13 +5,13 @@
 #include <algorithm>
 #include <cstdio>
 
+#include "../parameters/terminals.hpp"
+#include "../records/recorder.hpp"
 #include "../registers/consent.hpp"
-#include "../session.hpp"
+#include "../registers/session.hpp"
+#include "../registers/typed_value.hpp"
 #include "../streams/messages.hpp"
-#include "../terminals.hpp"
-#include "../text/recorder.hpp"
-#include "../text/streams.hpp"
-#include "../text/typed_value.hpp"
+#include "../streams/streams.hpp"
 #include "commands.hpp"
 
 namespace tool {

@@ -5,8 +5,8 @@
 // back; nothing is sent before the whole file has been found good.
 #include <cstdio>
 
-#include "../changes.hpp"
 #include "../os/interrupts.hpp"
+#include "../parameters/changes.hpp"
 #include "../registers/consent.hpp"
 #include "../streams/messages.hpp"
 #include "../words/numbers.hpp"

@@ -5,9 +5,9 @@
 // of itself.
 #include <utility>
 
+#include "../frames/line_words.hpp"
 #include "../os/interrupts.hpp"
 #include "../streams/messages.hpp"
-#include "../text/line_words.hpp"
 #include "../words/numbers.hpp"
 #include "commands.hpp"
 #include "scan_pass.hpp"

@@ -9,11 +9,11 @@
 #include <servobus/modbus/diagnostics.hpp>
 
 #include "../devices/device.hpp"
-#include "../identity.hpp"
+#include "../devices/identity.hpp"
+#include "../frames/line_words.hpp"
 #include "../os/interrupts.hpp"
 #include "../streams/messages.hpp"
-#include "../text/line_words.hpp"
-#include "../text/streams.hpp"
+#include "../streams/streams.hpp"
 #include "../words/numbers.hpp"
 
 namespace tool::scanning {

@@ -11,9 +11,9 @@
 #include <servobus/client/identification.hpp>
 #include <servobus/client/scan.hpp>
 
-#include "../hear.hpp"
-#include "../session.hpp"
-#include "../text/progress.hpp"
+#include "../os/hear.hpp"
+#include "../registers/session.hpp"
+#include "../streams/progress.hpp"
 
 namespace tool::scanning {
 

@@ -2,12 +2,12 @@
 // SPDX-License-Identifier: BSL-1.0
 //
 // servobus sim: the command line of a simulated drive.
+#include "../device_file/device_file.hpp"
 #include "../devices/devices.hpp"
-#include "../devices/simulators.hpp"
+#include "../interpretations/findings_file.hpp"
+#include "../simulators/simulators.hpp"
 #include "../streams/messages.hpp"
-#include "../text/device_file.hpp"
-#include "../text/findings_file.hpp"
-#include "../text/line_settings.hpp"
+#include "../words/line_settings.hpp"
 #include "commands.hpp"
 
 #include <filesystem>

@@ -7,9 +7,9 @@
 #include <string>
 
 #include "../devices/device.hpp"
-#include "../parameters.hpp"
+#include "../parameters/parameters.hpp"
 #include "../streams/messages.hpp"
-#include "../text/streams.hpp"
+#include "../streams/streams.hpp"
 #include "commands.hpp"
 
 namespace tool {

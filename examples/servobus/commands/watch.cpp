@@ -8,11 +8,11 @@
 
 #include "../devices/device.hpp"
 #include "../os/interrupts.hpp"
-#include "../session.hpp"
+#include "../records/recorder.hpp"
+#include "../registers/session.hpp"
 #include "../streams/descriptors.hpp"
 #include "../streams/messages.hpp"
-#include "../text/recorder.hpp"
-#include "../text/streams.hpp"
+#include "../streams/streams.hpp"
 #include "commands.hpp"
 
 namespace tool {

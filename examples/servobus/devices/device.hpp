@@ -17,7 +17,7 @@
 #include <servobus/registers/catalogue.hpp>
 #include <servobus/registers/line_choices.hpp>
 
-#include "../probe/findings.hpp"
+#include "../interpretations/findings.hpp"
 
 namespace tool {
 

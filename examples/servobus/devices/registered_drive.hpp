@@ -14,7 +14,6 @@
 
 #include "device.hpp"
 
-
 namespace tool {
 
 /// Holds what a row of the tool's drives must give. A row that leaves it out does not compile.

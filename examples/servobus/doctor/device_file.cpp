@@ -6,8 +6,8 @@
 
 #include "../devices/device.hpp"
 #include "../os/interrupts.hpp"
-#include "../parameters.hpp"
-#include "../text/typed_value.hpp"
+#include "../parameters/parameters.hpp"
+#include "../registers/typed_value.hpp"
 #include "../words/numbers.hpp"
 #include "other_drive.hpp"
 #include "reading.hpp"

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "../hear.hpp"
+#include "../os/hear.hpp"
 #include "../os/interrupts.hpp"
 #include "../os/port_users.hpp"
 #include "../words/numbers.hpp"

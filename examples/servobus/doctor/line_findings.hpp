@@ -8,7 +8,7 @@
 #include <span>
 
 #include "../devices/devices.hpp"
-#include "../text/line_words.hpp"
+#include "../frames/line_words.hpp"
 #include "report.hpp"
 
 namespace tool::diagnosis {

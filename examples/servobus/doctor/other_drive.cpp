@@ -4,9 +4,9 @@
 
 #include <array>
 
-#include "../devices/at_rest.hpp"
 #include "../devices/devices.hpp"
-#include "../identity.hpp"
+#include "../devices/identity.hpp"
+#include "../registers/at_rest.hpp"
 
 namespace tool::diagnosis {
 

@@ -4,8 +4,8 @@
 
 #include <cstdio>
 
+#include "../registers/typed_value.hpp"
 #include "../streams/messages.hpp"
-#include "../text/typed_value.hpp"
 #include "../words/numbers.hpp"
 
 namespace tool::diagnosis {

@@ -6,7 +6,7 @@
 
 #include <string>
 
-#include "../session.hpp"
+#include "../registers/session.hpp"
 #include "check.hpp"
 
 namespace tool::diagnosis {

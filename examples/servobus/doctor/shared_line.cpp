@@ -8,7 +8,7 @@
 
 #include <servobus/client/settings_on_one_line.hpp>
 
-#include "../text/typed_value.hpp"
+#include "../registers/typed_value.hpp"
 #include "line_findings.hpp"
 
 namespace tool::diagnosis {

@@ -6,7 +6,6 @@
 
 #include "../streams/messages.hpp"
 
-
 namespace tool {
 
 log_file::~log_file() {

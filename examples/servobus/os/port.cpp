@@ -7,8 +7,8 @@
 #include <algorithm>
 #include <optional>
 
+#include "../frames/log_line.hpp"
 #include "../streams/messages.hpp"
-#include "../text/log_line.hpp"
 #include "../words/numbers.hpp"
 #include "port_users.hpp"
 

@@ -10,8 +10,8 @@
 #include <servobus/core/time.hpp>
 #include <servobus/registers/wire.hpp>
 
+#include "../interpretations/findings.hpp"
 #include "bench.hpp"
-#include "findings.hpp"
 #include "old_words.hpp"
 
 namespace tool {

@@ -5,7 +5,7 @@
 #include <cstdio>
 #include <iostream>
 
-#include "../text/streams.hpp"
+#include "streams.hpp"
 
 namespace tool {
 namespace {

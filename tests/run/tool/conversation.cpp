@@ -7,7 +7,7 @@
 
 #include <doctest/doctest.h>
 
-#include <examples/servobus/commands/conversation.hpp>
+#include <examples/servobus/capture/conversation.hpp>
 
 namespace conversation_tests {
 

@@ -8,7 +8,7 @@
 
 #include <doctest/doctest.h>
 
-#include <examples/servobus/text/log_line.hpp>
+#include <examples/servobus/frames/log_line.hpp>
 
 namespace log_line_tests {
 

@@ -15,8 +15,8 @@
 #include <servobus/sim/c630s.hpp>
 #include <servobus/sim/faults.hpp>
 
+#include <examples/servobus/interpretations/c630s_switches.hpp>
 #include <examples/servobus/probe/c630s.hpp>
-#include <examples/servobus/probe/c630s_switches.hpp>
 
 namespace probe_c630s_tests {
 namespace {

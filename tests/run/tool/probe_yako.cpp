@@ -14,8 +14,8 @@
 #include <servobus/sim/faults.hpp>
 #include <servobus/sim/yako.hpp>
 
+#include <examples/servobus/interpretations/yako_switches.hpp>
 #include <examples/servobus/probe/yako.hpp>
-#include <examples/servobus/probe/yako_switches.hpp>
 
 namespace probe_yako_tests {
 namespace {

@@ -10,8 +10,8 @@
 #include <servobus/core/bytes.hpp>
 #include <servobus/sim/zlac8015d.hpp>
 
+#include <examples/servobus/interpretations/zlac8015d_switches.hpp>
 #include <examples/servobus/probe/zlac8015d.hpp>
-#include <examples/servobus/probe/zlac8015d_switches.hpp>
 
 namespace probe_zlac8015d_tests {
 namespace {

@@ -1,0 +1,113 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+#include "device_names.hpp"
+
+#include <algorithm>
+#include <optional>
+#include <span>
+#include <utility>
+
+#include "../words/csv.hpp"
+#include "../words/numbers.hpp"
+
+namespace tool {
+namespace {
+
+using servobus::entry;
+
+// A text that is typed after REG= must mean one thing.
+std::string judge_name(const cell_name& n, const entry& e) {
+    const auto is_good = [](char c) { return c >= ' ' && c <= '~' && c != '+' && c != ',' && c != '"'; };
+    if (n.name.empty()) return "a code or bit has no name";
+    if (n.name.size() > servobus::label::longest)
+        return "the name " + csv::shown(n.name) + " has more than " +
+               std::to_string(servobus::label::longest) + " characters";
+    if (!std::ranges::all_of(n.name, is_good))
+        return "the name " + csv::shown(n.name) + " has a character that is not ASCII, or one of + , \"";
+    if (n.name.starts_with("0x") || n.name.starts_with("0X"))
+        return "the name " + csv::shown(n.name) + " would be read as a number";
+    const std::optional<std::int64_t> number = parse_integer(n.name);
+    const bool is_own = n.mask == 0xFFFF && number == e.number(n.value);
+    if (number && !is_own && e.limits.contains(*number))
+        return "the name " + csv::shown(n.name) + " is also another value of the register";
+    return {};
+}
+
+// `pulse=2` for `2=pulse`
+bool is_reversed(std::string_view place, std::string_view name) {
+    const bool is_bit = place.starts_with('b') && parse_integer(place.substr(1));
+    return !place.empty() && parse_integer(name) && !parse_integer(place) && !is_bit &&
+           place.find(':') == place.npos;
+}
+
+// `3=enable`, `b3=ready`, `0x00C0:0x0040=locked`
+std::string one_name(std::string_view part, device_row& row) {
+    const bool is_bit = is_of_bits(row.table);
+    const std::size_t equals = part.find('=');
+    if (equals == part.npos)
+        return "names takes 3=enable, b3=ready, 0x00C0:0x0040=locked, hex or halves, not " + csv::shown(part);
+    const std::string_view place = csv::trimmed(part.substr(0, equals));
+    cell_name n{0xFFFF, 0, csv::trimmed(part.substr(equals + 1))};
+    if (is_reversed(place, n.name)) {
+        return "names takes CODE=name, as in " + csv::shown(std::string{n.name} + '=' + std::string{place}) +
+               ", not " + csv::shown(part);
+    }
+    if (const std::size_t colon = place.find(':'); !is_bit && colon != place.npos) {
+        const std::optional<std::int64_t> mask = parse_integer(place.substr(0, colon));
+        const std::optional<std::int64_t> value = parse_integer(place.substr(colon + 1));
+        if (!mask || !value || *mask < 1 || *mask > 0xFFFF || *value < 0 || (*value & ~*mask) != 0)
+            return csv::shown(place) + " is no MASK:VALUE of bits inside the mask";
+        n.mask = static_cast<std::uint16_t>(*mask);
+        n.value = static_cast<std::uint16_t>(*value);
+    } else if (!is_bit && place.starts_with('b')) {
+        const std::optional<std::int64_t> bit = parse_integer(place.substr(1));
+        if (!bit || *bit < 0 || *bit > 15) return csv::shown(place) + " is no bit from b0 to b15";
+        n.mask = n.value = static_cast<std::uint16_t>(1u << static_cast<unsigned>(*bit));
+    } else {
+        const servobus::range whole = range_of_type(row);
+        const std::optional<std::int64_t> code = parse_integer(place);
+        if (!code || *code < whole.low || *code > whole.high)
+            return csv::shown(place) + " is no code of " + type_text(row.entry, row.table);
+        n.value = static_cast<std::uint16_t>(*code & 0xFFFF);
+    }
+    if (std::string why = judge_name(n, row.entry); !why.empty()) return why;
+    row.names.push_back(n);
+    return {};
+}
+
+// A name, or a code, that is there twice. Blanks and _ are the same.
+std::string check_twice(std::span<const cell_name> names) {
+    std::vector<std::pair<std::string, std::uint32_t>> all;
+    for (const cell_name& n : names) {
+        std::string folded{n.name};
+        std::ranges::replace(folded, ' ', '_');
+        all.emplace_back(std::move(folded), std::uint32_t{n.mask} << 16 | n.value);
+    }
+    const auto twice = [&](auto member) {
+        std::ranges::sort(all, {}, member);
+        return std::ranges::adjacent_find(all, {}, member);
+    };
+    if (const auto name = twice(&std::pair<std::string, std::uint32_t>::first); name != all.end())
+        return "the name " + csv::shown(name->first) + " is there twice";
+    if (const auto code = twice(&std::pair<std::string, std::uint32_t>::second); code != all.end())
+        return "a code has two names: " + csv::shown(code->first) + " and " + csv::shown((code + 1)->first);
+    return {};
+}
+
+} // namespace
+
+std::string parse_names_cell(std::string_view cell, device_row& row) {
+    row.entry.names = servobus::naming::number;
+    if (cell.empty()) return {};
+    if (row.entry.words() == 2) return "names are for registers of one word";
+    if (is_of_bits(row.table) && (cell == "halves" || cell == "hex"))
+        return "a bit has neither halves nor hex";
+    row.entry.names = cell == "halves" ? servobus::naming::halves : servobus::naming::names;
+    if (cell == "halves" || cell == "hex") return {};
+    for (const std::string_view part : csv::parts(cell)) {
+        if (std::string why = one_name(part, row); !why.empty()) return why;
+    }
+    return check_twice(row.names);
+}
+
+} // namespace tool
