@@ -36,6 +36,7 @@ check(headers.no_warnings.cppcheck LABELS compile COST 90 ENVIRONMENT JOBS=1 COM
       OF tests/warnings ALONE)
 check(headers.refuse_cpp17 LABELS compile COST 15 COMMAND ${python} tests/old_standards.py)
 check(headers.rooms LABELS compile COMMAND ${python} tests/rooms.py)
+check(tool.rooms LABELS compile COMMAND ${python} tests/tool_rooms.py)
 check(rings LABELS docs COMMAND ${python} tests/rings.py)
 # One table of a CRC takes more steps than these to compute.
 check(headers.no_table_unasked.gcc LABELS compile
