@@ -1,8 +1,8 @@
 # SPDX-FileCopyrightText: The servobus authors
 # SPDX-License-Identifier: BSL-1.0
-"""Checks from the includes that the rooms of the tool, the folders of examples/servobus/, form layers, and that the table
-of its page lists them from the top down; names each include and each entry of the table below that breaks this, and checks
-that violations are found.
+"""Checks from the includes that the rooms of the tool, the folders of examples/servobus/, form layers, that the table of
+its page lists them from the top down, and that servobus.cpp includes each source; names each include and each entry of the
+table below that breaks this, and checks that violations are found.
 """
 import posixpath
 import re
@@ -10,6 +10,7 @@ import sys
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent / "examples/servobus"
+ONE_SOURCE = "../servobus.cpp"
 # What a room's files may include, besides those of the same room. "here" has main.cpp and the table of the commands.
 MAY_INCLUDE = {
     "streams": "",
@@ -36,12 +37,14 @@ MAY_INCLUDE = {
     "here": "command_line commands help streams",
 }
 INCLUDE = re.compile(r'^\s*#\s*include\s*"([^"]+)"', re.MULTILINE)
+SOURCE = re.compile(r'^#include "servobus/(.+)"$', re.MULTILINE)
 # The first cell of a row of the page's table.
 ROW = re.compile(r"^\| (?:`(\w+)/`|(here)) \|", re.MULTILINE)
 
-# A small tool, its table and its page, without a mistake; and each mistake with words that describe it. Files that a
-# mistake names replace those of the tool, None takes one away.
+# A small tool, its table, its page and its one source, without a mistake; and each mistake with words that describe it.
+# Files that a mistake names replace those of the tool, None takes one away.
 TOOL = {
+    ONE_SOURCE: '#include "servobus/high/user.cpp"\n#include "servobus/low/word.cpp"\n#include "servobus/main.cpp"\n',
     "main.cpp": '#include "high/user.hpp"\n',
     "high/user.hpp": '#include "../low/word.hpp"\n#include "../../host.hpp"\n',
     "high/user.cpp": '#include "user.hpp"\n',
@@ -71,6 +74,10 @@ BREAKS = [
     ("README.md lists the room low twice", {}, {}, PAGE + "| `low/` | |\n"),
     ("README.md lists low above high, which includes it", {}, {},
      PAGE.replace("| `high/` | |\n| `low/` | |\n", "| `low/` | |\n| `high/` | |\n")),
+    ("servobus.cpp does not include low/other.cpp", {"low/other.cpp": "\n"}, {}, PAGE),
+    ("servobus.cpp includes low/word.cpp, which is no source of the tool", {"low/word.cpp": None}, {}, PAGE),
+    ("servobus.cpp includes low/word.cpp twice",
+     {ONE_SOURCE: TOOL[ONE_SOURCE] + '#include "servobus/low/word.cpp"\n'}, {}, PAGE),
 ]
 
 
@@ -79,11 +86,13 @@ def room(file):
 
 
 def read_files():
-    return {str(path.relative_to(ROOT)): path.read_text("utf-8") for path in sorted(ROOT.rglob("*.?pp"))}
+    files = {str(path.relative_to(ROOT)): path.read_text("utf-8") for path in sorted(ROOT.rglob("*.?pp"))}
+    return {**files, ONE_SOURCE: (ROOT / ONE_SOURCE).read_text("utf-8")}
 
 
-def violations(texts, table, page):
-    """A line for each violation. `texts` has all files of the tool by their path in its folder."""
+def violations(all_texts, table, page):
+    """A line for each violation. `all_texts` has all files of the tool by their path in its folder, and the one source."""
+    texts = {file: text for file, text in all_texts.items() if file != ONE_SOURCE}
     includes = {}
     for file, text in texts.items():
         found = (posixpath.normpath(f"tool/{posixpath.dirname(file)}/{name}") for name in INCLUDE.findall(text))
@@ -111,6 +120,7 @@ def violations(texts, table, page):
             elif (own, other) not in used:
                 wrong.append(f"{own} includes nothing of {other}: take that out of the table")
     wrong += circles("the table has a circle", {own: allowed.split() for own, allowed in table.items()})
+    wrong += violations_of_source(texts, SOURCE.findall(all_texts[ONE_SOURCE]))
     return wrong + circles("circle", includes) + violations_of_page(table, page)
 
 
@@ -129,6 +139,13 @@ def circles(title, edges):
     for one in edges:
         follow(one, [])
     return found
+
+
+def violations_of_source(texts, included):
+    sources = [file for file in texts if file.endswith(".cpp")]
+    wrong = [f"servobus.cpp does not include {file}" for file in sources if file not in included]
+    wrong += [f"servobus.cpp includes {file}, which is no source of the tool" for file in included if file not in sources]
+    return wrong + [f"servobus.cpp includes {file} twice" for file in sources if included.count(file) > 1]
 
 
 def violations_of_page(table, page):
@@ -164,9 +181,9 @@ def main():
     for line in wrong:
         print("tool_rooms.py:", line)
     if wrong or len(texts) < 100:
-        print(f"tool_rooms.py: {len(texts)} files, {len(wrong)} wrong")
+        print(f"tool_rooms.py: {len(texts) - 1} files, {len(wrong)} wrong")
         return 1
-    print(f"tool_rooms.py: {len(texts)} files in {len(MAY_INCLUDE)} rooms on {floors()} floors, 0 wrong")
+    print(f"tool_rooms.py: {len(texts) - 1} files in {len(MAY_INCLUDE)} rooms on {floors()} floors, 0 wrong")
     return 0
 
 

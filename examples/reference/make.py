@@ -81,8 +81,7 @@ def make_maps(out, work, version):
     tool = os.environ.get("SERVOBUS")
     if not tool:
         tool = work / "servobus"
-        sources = ROOT / "examples/servobus"
-        run(*CXX, *sorted(sources.glob("*.cpp")), *sorted(sources.glob("*/*.cpp")), "-o", tool)
+        run(*CXX, ROOT / "examples/servobus.cpp", "-o", tool)
     run(*CXX, HERE / "values.cpp", "-o", work / "values")
     values = subprocess.run([work / "values"], check=True, capture_output=True, text=True).stdout
     maps.write(out, version, os.path.abspath(tool), values, work / "tags")

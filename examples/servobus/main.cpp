@@ -3,7 +3,7 @@
 //
 // servobus: maps, explains, simulates, reads and writes motor drives on Modbus RTU.
 //
-//     g++ -std=c++20 -Iinclude examples/servobus/*.cpp examples/servobus/*/*.cpp -o servobus
+//     g++ -std=c++20 -Iinclude examples/servobus.cpp -o servobus
 #include <cstdio>
 #include <string_view>
 

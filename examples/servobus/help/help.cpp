@@ -13,7 +13,7 @@
 namespace tool {
 namespace {
 
-constexpr std::size_t width = 80;
+constexpr std::size_t page_width = 80;
 constexpr std::size_t topic_column = 8;
 constexpr std::size_t option_column = 18;
 
@@ -30,7 +30,7 @@ void wrap(std::string& out, std::string_view text, std::size_t column, std::size
     while (!text.empty()) {
         const std::size_t end = std::min(text.find_first_of(" \n"), text.size());
         const std::string_view word = text.substr(0, end);
-        if (at > column && at + 1 + word.size() > width) {
+        if (at > column && at + 1 + word.size() > page_width) {
             out += '\n' + margin;
             at = column;
         } else if (at > column) {

@@ -19,8 +19,8 @@ namespace tool {
 namespace {
 
 constexpr std::string_view magic = "servobus-backup ";
-constexpr std::int64_t format = 1;
-constexpr std::size_t largest = 1'000'000; // bytes
+constexpr std::int64_t backup_format = 1;
+constexpr std::size_t largest_backup = 1'000'000; // bytes
 
 u16 crc_of(std::string_view text) {
     std::vector<std::uint8_t> bytes{text.begin(), text.end()};
@@ -31,7 +31,7 @@ std::optional<std::string> read_whole(const std::string& path) {
     const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file{std::fopen(path.c_str(), "rb"), std::fclose};
     std::string text;
     char chunk[4096];
-    while (file && text.size() <= largest) {
+    while (file && text.size() <= largest_backup) {
         const std::size_t got = std::fread(chunk, 1, sizeof chunk, file.get());
         if (got == 0) break;
         text.append(chunk, got);
@@ -80,8 +80,8 @@ class reader {
         if (!rest_.starts_with(magic)) return "it is no backup file";
         if (rest_.find('\r') != rest_.npos) return "its line ends were changed (CR LF)";
         const std::string shown{field(rest_.substr(0, rest_.find('\n')), " format=")};
-        if (shown != std::to_string(format))
-            return "it has format '" + shown + "', not " + std::to_string(format);
+        if (shown != std::to_string(backup_format))
+            return "it has format '" + shown + "', not " + std::to_string(backup_format);
         const std::size_t last = rest_.rfind("\ncrc16=");
         const std::optional<std::int64_t> stated =
             last == rest_.npos || !rest_.ends_with('\n')
@@ -163,7 +163,7 @@ bool is_restorable(const servobus::entry& e) {
 }
 
 std::string file_text(const device& of, std::span<const parameter> all) {
-    std::string text = std::string{magic} + "format=" + std::to_string(format) +
+    std::string text = std::string{magic} + "format=" + std::to_string(backup_format) +
                        " device=" + of.facts().name + " rows=" + std::to_string(all.size()) + '\n';
     for (const parameter& p : all) {
         text += static_cast<const char*>(p.row->name);

@@ -44,7 +44,7 @@ template <class Named, std::size_t N> const Named* find(const Named (&all)[N], s
     return nullptr;
 }
 
-std::string_view name_of(servobus::table of) {
+std::string_view table_name(servobus::table of) {
     for (const named_table& t : tables) {
         if (t.of == of) return t.name;
     }
@@ -116,14 +116,14 @@ const char* what_fits(raw_type type) {
     return "";
 }
 
-std::string hex_text(u32 bits, std::size_t digits) {
+std::string raw_hex(u32 bits, std::size_t digits) {
     constexpr char all[] = "0123456789ABCDEF";
     std::string text(digits, '0');
     for (std::size_t i = digits; i-- != 0; bits >>= 4) text[i] = all[bits & 0xFu];
     return "0x" + text;
 }
 
-std::string number_text(raw_type type, u32 bits) {
+std::string typed_number(raw_type type, u32 bits) {
     switch (type) {
     case raw_type::signed_word: return std::to_string(static_cast<std::int16_t>(bits));
     case raw_type::signed_pair: return std::to_string(static_cast<std::int32_t>(bits));
@@ -223,7 +223,7 @@ std::size_t raw_count(const chosen& what) { return what.words / what.form.width(
 
 std::string raw_name(const chosen& what, std::size_t index) {
     const std::string address = hex_word(static_cast<u16>(what.address + index * what.form.width()));
-    return what.form.has_table ? std::string{name_of(what.form.table)} + ':' + address : address;
+    return what.form.has_table ? std::string{table_name(what.form.table)} + ':' + address : address;
 }
 std::string raw_name(const chosen& what) {
     return raw_name(what, 0) + (raw_count(what) == 1 ? "" : ':' + std::to_string(raw_count(what)));
@@ -232,13 +232,13 @@ std::string raw_name(const chosen& what) {
 std::string raw_number(const raw_form& form, std::span<const u16> words) {
     const u32 bits = bits_of(form, words);
     const bool is_finite = form.type != raw_type::float_pair || std::isfinite(std::bit_cast<float>(bits));
-    return is_finite ? number_text(form.type, bits) : "nan";
+    return is_finite ? typed_number(form.type, bits) : "nan";
 }
 
 std::string raw_text(const raw_form& form, std::span<const u16> words) {
     const u32 bits = bits_of(form, words);
     if (form.is_bit()) return bits != 0 ? "on" : "off";
-    return number_text(form.type, bits) + " (" + hex_text(bits, 4 * form.width()) + ")";
+    return typed_number(form.type, bits) + " (" + raw_hex(bits, 4 * form.width()) + ")";
 }
 
 std::vector<std::string> raw_tables(bool writable_only) {
