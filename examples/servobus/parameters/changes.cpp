@@ -140,14 +140,14 @@ void changes::release_first() {
     const auto loses_it = [&](const change& c) {
         return c.after == 0 && is_exclusive(*of_->kind, c.row->address);
     };
-    std::ranges::stable_partition(all_, loses_it);
+    std::stable_partition(all_.begin(), all_.end(), loses_it);
     all_.insert(all_.begin(), first.begin(), first.end());
 }
 
 // Puts the registers that change how all others are read and kept at the end.
 void changes::line_last() {
-    std::ranges::stable_partition(all_,
-                                  [](const change& c) { return !has(c.row->flags, flag::communication); });
+    std::stable_partition(all_.begin(), all_.end(),
+                          [](const change& c) { return !has(c.row->flags, flag::communication); });
 }
 
 int changes::look_for_clash() {
