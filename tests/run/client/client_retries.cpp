@@ -58,6 +58,28 @@ void answer_badly(scripted_port& port, const byte_list& good, int how, tests::di
 
 } // namespace
 
+TEST_CASE(
+    "G12, G16: only the number by which a device acknowledges, if it has one, says that it has accepted") {
+    for (const std::uint8_t acknowledge :
+         {std::uint8_t{0}, std::uint8_t{1}, std::uint8_t{5}, std::uint8_t{255}}) {
+        CAPTURE(acknowledge);
+        for (unsigned number = 0; number <= 255; ++number) {
+            CAPTURE(number);
+            rig r;
+            r.drive.node().limits.acknowledge = acknowledge;
+            r.port.device = [number](scripted_port& p, const tests::sent_frame& f) {
+                p.say(500, tests::exception_response(1, f.data[1], static_cast<std::uint8_t>(number)));
+            };
+            const bool is_accepted = number == acknowledge && acknowledge != 0; // 0: it has none
+            const errc why = is_accepted ? errc::acknowledged : errc::exception;
+            REQUIRE(r.drive.write<fixture::time>(1) == status::sent(why, static_cast<std::uint8_t>(number)));
+            REQUIRE(r.drive.write<fixture::position>(1).outcome() ==
+                    (is_accepted ? outcome::unknown : outcome::refused));
+            REQUIRE(r.drive.read<fixture::time>().error() == why);
+        }
+    }
+}
+
 TEST_CASE("G12: an exception reaches the caller with its number, and its read is not repeated") {
     for (unsigned number = 0; number <= 255; ++number) {
         rig r;
