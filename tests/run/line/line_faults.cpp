@@ -417,28 +417,6 @@ TEST_CASE(
     }
 }
 
-TEST_CASE("G3: a clock that jumps back does not make a maybe echo a response") {
-    // Well formed as a response, and the beginning of its own request.
-    const byte_list echo_like = tests::byte_list{0x06, 0x03, 0x02, 0x12, 0x00, 0x01, 0x24, 0x00};
-    for (const bool byte_follows : {false, true}) {
-        CAPTURE(byte_follows);
-        response_limits limits;
-        const modbus::rtu_timing timing = modbus::timing_at(115200);
-        std::array<std::uint8_t, 8> room{};
-        exchange x{echo_like, room, timing, limits};
-        x.sent(instant{1'000'000});
-        for (std::size_t i = 0; i < 7; ++i)
-            x.feed(echo_like[i], instant{1'001'000 + 96 * static_cast<std::uint32_t>(i)});
-        REQUIRE(x.state() == exchange::phase::receiving);
-        if (byte_follows) {
-            x.feed(echo_like[7], instant{900'000});
-        } else {
-            x.elapse(instant{900'000});
-        }
-        CHECK(x.status().error() == errc::own_echo);
-    }
-}
-
 TEST_CASE("G29: eight jumps back are accepted from a clock, the ninth is not") {
     detail::stall_detector guard{{1'000'000}, 100};
     instant now{1'000'000};

@@ -241,4 +241,27 @@ TEST_CASE("G11: after another node's frame and a gap the response is accepted, a
     }
 }
 
+TEST_CASE("G3: a clock that goes back has measured no gap after a whole response that may be an echo") {
+    for (const bool byte_follows : {false, true}) {
+        for (const std::uint32_t at :
+             {0u, 1'000'000u, 1'001'575u, 1'001'576u}) { // the last byte came at ..576
+            CAPTURE(byte_follows);
+            CAPTURE(at);
+            std::array<std::uint8_t, 8> room{};
+            exchange x{like_an_answer, room, host, usual};
+            x.sent(instant{1'000'000});
+            for (std::uint32_t i = 0; i < 7; ++i) x.feed(like_an_answer[i], instant{1'001'000 + 96 * i});
+            REQUIRE(x.state() == exchange::phase::receiving);
+            const instant now{at};
+            if (byte_follows)
+                x.feed(like_an_answer[7], now);
+            else
+                x.elapse(now);
+            const bool is_known = byte_follows || at < 1'001'576;
+            CHECK(x.done() == is_known);
+            if (is_known) CHECK(x.status().error() == errc::own_echo);
+        }
+    }
+}
+
 } // namespace exchange_limits_tests
