@@ -10,6 +10,7 @@
 #include <functional>
 
 #include <tests/support/bare_rig.hpp>
+#include <tests/support/loop_bound.hpp>
 
 namespace facade_waits_tests {
 
@@ -376,8 +377,20 @@ TEST_CASE("a drive is absent after three reads of its feedback without a respons
     r.is_mute = false;
     REQUIRE(r.drive.run(take_over));
     r.is_mute = true;
+    r.port.frames.clear();
+    for (std::size_t reads = 1; reads <= 3; ++reads) {
+        CAPTURE(reads);
+        for (tests::loop_bound left{"a read"}; r.port.frames.size() < reads; left.use()) r.turn();
+        CHECK_FALSE(r.drive.is_absent());
+        for (tests::loop_bound left{"its end"}; r.drive.machine().is_on_the_wire(); left.use()) r.turn();
+        CHECK(r.drive.is_absent() == (reads == 3));
+    }
+    CHECK(reads_of(r, 0x0110) == 3);
     r.loop(2000);
     CHECK(r.drive.is_absent());
+    r.is_mute = false;
+    r.loop(1100);
+    CHECK_FALSE(r.drive.is_absent());
 }
 
 TEST_CASE("G28: reads of its feedback that are lost now and then make no drive absent: three in a row do") {
