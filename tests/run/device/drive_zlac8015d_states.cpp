@@ -9,6 +9,7 @@
 
 #include <tests/support/driven_zlac8015d.hpp>
 #include <tests/support/frame_port.hpp>
+#include <tests/support/loop_bound.hpp>
 
 namespace drive_zlac8015d_states_tests {
 
@@ -313,36 +314,58 @@ TEST_CASE(
     CHECK(r.drive.run(velocity{1 * r_per_min, 1 * r_per_min}).error() == errc::needs_init);
 }
 
+namespace {
+
+/// A write of the watchdog's time of which nothing is known. With this response limit an `init` sends two reads before
+/// the shorter of both times has passed.
+struct unknown_watchdog {
+    std::uint16_t wanted_ms;
+    std::uint32_t limit_ms;
+    simulated::mishap lost;
+};
+
+} // namespace
+
 TEST_CASE(
-    "S3: a shorter watchdog time whose write got no response may be in force: no read is the first frame "
-    "after it") {
-    node<device> patient{1};
-    patient.limits.response = milliseconds(150);
-    odd_rig r{patient};
-    REQUIRE(r.drive.run(init{}));
-    r.port.plan(simulated::mishap::response_lost, 0);
-    REQUIRE(r.drive.run(watchdog{300 * millisecond}).outcome() == outcome::unknown);
-    REQUIRE(r.model().peek(host_timeout.address) == 300);
-    constexpr std::size_t stops = 3; // of an init, before its first read
-    r.port.plan(simulated::mishap::no_more_responses, stops);
-    const std::size_t first = r.port.requests.size();
-    REQUIRE(r.drive.begin(init{}) == errc::ok);
-    std::uint64_t received = 0; // when the last request with a response was sent
-    std::size_t reads = 0;
-    while (!r.drive.is_idle()) {
-        const std::size_t before = r.port.requests.size();
-        const duration idle = r.drive.step();
-        if (r.port.requests.size() > before) {
-            if (before < first + stops) received = r.port.time_us();
-            if (r.port.requests.back()[1] == 0x03) {
-                ++reads;
-                CHECK(r.port.time_us() - received < 300'000);
+    "S3: a watchdog time whose write got no response may be in force or not: no read is the first frame "
+    "after the shorter one") {
+    constexpr std::uint16_t before_ms = 1000; // of the factory
+    for (const unknown_watchdog& s : {unknown_watchdog{300, 150, simulated::mishap::response_lost},
+                                      unknown_watchdog{300, 150, simulated::mishap::request_lost},
+                                      unknown_watchdog{3000, 450, simulated::mishap::response_lost},
+                                      unknown_watchdog{3000, 450, simulated::mishap::request_lost}}) {
+        CAPTURE(s.wanted_ms);
+        CAPTURE(static_cast<int>(s.lost));
+        const std::uint16_t shorter_ms = s.wanted_ms < before_ms ? s.wanted_ms : before_ms;
+        node<device> patient{1};
+        patient.limits.response = milliseconds(s.limit_ms);
+        odd_rig r{patient};
+        REQUIRE(r.drive.run(init{}));
+        r.port.plan(s.lost, 0);
+        REQUIRE(r.drive.run(watchdog{s.wanted_ms * millisecond}).outcome() == outcome::unknown);
+        const bool is_in_force = s.lost == simulated::mishap::response_lost;
+        REQUIRE(r.model().peek(host_timeout.address) == (is_in_force ? s.wanted_ms : before_ms));
+        constexpr std::size_t stops = 3; // of an init, before its first read
+        r.port.plan(simulated::mishap::no_more_responses, stops);
+        const std::size_t first = r.port.requests.size();
+        REQUIRE(r.drive.begin(init{}) == errc::ok);
+        std::uint64_t received = 0; // when the last request with a response was sent
+        std::size_t reads = 0;
+        for (tests::loop_bound left{"the end of a command"}; !r.drive.is_idle(); left.use()) {
+            const std::size_t before = r.port.requests.size();
+            const duration idle = r.drive.step();
+            if (r.port.requests.size() > before) {
+                if (before < first + stops) received = r.port.time_us();
+                if (r.port.requests.back()[1] == 0x03) {
+                    ++reads;
+                    CHECK(r.port.time_us() - received < shorter_ms * 1000u);
+                }
             }
+            r.port.wait(idle.us == 0 ? microseconds(10) : idle);
         }
-        r.port.wait(idle.us == 0 ? microseconds(10) : idle);
+        CHECK(reads == 2);
+        CHECK_FALSE(r.drive.last());
     }
-    CHECK(reads == 2);
-    CHECK_FALSE(r.drive.last());
 }
 
 TEST_CASE("20A2h to 20ACh: the feedback has each word in its place") {
