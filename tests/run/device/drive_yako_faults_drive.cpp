@@ -323,11 +323,17 @@ TEST_CASE("A54: a cleared position leaves an axis homed only where the drive say
 }
 
 TEST_CASE("a bounded jog that runs does not confirm one in the other direction") {
-    closed_axis a;
-    take_homed(a);
-    REQUIRE(a.drive.run(bounded_jog{2000 * pulse}));
-    CHECK(a.drive.run(bounded_jog{-2000 * pulse}).error() == errc::busy);
-    CHECK(a.drive.run(bounded_jog{2000 * pulse}));
+    for (const int sign : {1, -1}) {
+        CAPTURE(sign);
+        closed_axis a;
+        take_homed(a);
+        const std::uint32_t before = a.model.starts();
+        REQUIRE(a.drive.run(bounded_jog{2000 * sign * pulse}));
+        CHECK(a.drive.run(bounded_jog{-2000 * sign * pulse}).error() == errc::busy);
+        CHECK(a.drive.run(hold{-60 * sign * r_per_min, milliseconds(50)}).error() == errc::busy);
+        CHECK(a.drive.run(bounded_jog{2000 * sign * pulse}));
+        CHECK(a.model.starts() == before + 1);
+    }
 }
 
 TEST_CASE("S4: the next command detects that a restart lost the software limits, also without a homing") {
