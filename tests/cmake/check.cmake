@@ -3,8 +3,8 @@
 #
 # check(NAME LABELS LABEL... COMMAND WORD... [COST N] [REAL_TIME] [ENVIRONMENT NAME=VALUE...] [OF PATH... [ALONE]])
 #
-# A test of CTest that runs in the project's folder. COST: CPU seconds, as `python3 -B tests/costs.py` prints them; long
-# ones begin first. REAL_TIME: it measures the real clock. It runs again if the machine was too busy
+# A test of CTest that runs in the project's folder. COST: seconds of a processor, or with REAL_TIME of the clock, as
+# `python3 -B tests/costs.py` prints them; long ones begin first. REAL_TIME: it measures the real clock. It runs again if the machine was too busy
 # (support/run_check.cpp), and all other checks run at a lower priority. TIMEOUT is against hangs only, and judges no speed:
 # five minutes, and thirty times the COST.
 # OF: it runs only if one of these files and folders, or what their code includes, has changed since all passed

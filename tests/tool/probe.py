@@ -175,6 +175,8 @@ class DyingLine:
         while True:
             for one in select.select([self.client, self.drive], [], [])[0]:
                 data = os.read(one, 4096)
+                if not data:  # the simulated drive has ended
+                    return
                 if one == self.client and self.left >= 0:
                     self.left -= self.left > 0
                     if self.left == 0 and not self.died:

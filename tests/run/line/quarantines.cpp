@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// What a quarantine follows, and which request waits for it: bytes between two requests, and a stop that goes before
-// a quarantine of which the next request must know.
+// A quarantine follows bytes that came between two requests. It also follows a stop that goes before another quarantine:
+// the next request waits for the longer one.
 #include <doctest/doctest.h>
 
 #include <cstddef>

@@ -17,7 +17,7 @@ using byte_list = std::vector<std::uint8_t>;
 
 namespace {
 
-/// What the rows of `served_rows` hold.
+/// The values of `served_rows`.
 struct content {
     std::uint16_t selected = 0;
     int travel = 0;
@@ -64,7 +64,7 @@ struct hooked {
     }
 };
 
-/// One of each function that writes.
+/// A request of each function that writes.
 const byte_list writes[]{
     {0x05, 0, 1, 0xFF, 0},                                  // pump on
     {0x0F, 0, 0, 0, 2, 1, 2},                               // valve off, pump on
