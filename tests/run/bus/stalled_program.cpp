@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// A program that stalls for longer than the watchdog of a drive, at any moment of a cyclic read of its bus. The frames on
-// the wire judge it.
+// A program that stalls for longer than the watchdog of a drive, at any moment of a cyclic read of its bus. The
+// frames on the wire judge it.
 #include <doctest/doctest.h>
 
 #include <cstddef>

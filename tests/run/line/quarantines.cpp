@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// A quarantine follows bytes that came between two requests. It also follows a stop that goes before another quarantine:
-// the next request waits for the longer one.
+// A quarantine follows bytes that came between two requests. It also follows a stop that goes before another
+// quarantine: the next request waits for the longer one.
 #include <doctest/doctest.h>
 
 #include <cstddef>
