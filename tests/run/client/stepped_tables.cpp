@@ -234,4 +234,31 @@ TEST_CASE("a stepped call of any table that is destroyed sends nothing more, and
     CHECK(both.value().error() == errc::bad_argument);
 }
 
+TEST_CASE(
+    "a stepped call of any table that is refused after one that has succeeded has its own error, and no "
+    "value") {
+    machine m{machine::good};
+    stepped_read<test_client, tank::valve, tank::level> read{m.drive};
+    stepped_change_bits<test_client, tank::options, 1> change{m.drive};
+    stepped_write<test_client, tank::valve> write{m.drive};
+    stepped_write_then_read<test_client, rows<tank::state>, tank::ramp> both{m.drive};
+    const auto begun = [&](errc how) {
+        CHECK(read.begin() == how);
+        m.finish(read);
+        CHECK(change.begin(1) == how);
+        m.finish(change);
+        CHECK(write.begin(true) == how);
+        m.finish(write);
+        CHECK(both.begin(70 * millisecond) == how);
+        m.finish(both);
+        CHECK(read.value().error() == how);
+        CHECK(change.status() == how);
+        CHECK(write.status() == how);
+        CHECK(both.value().error() == how);
+    };
+    begun(errc::ok);
+    m.drive.node().address = 250;
+    begun(errc::bad_argument);
+}
+
 } // namespace stepped_tables_tests

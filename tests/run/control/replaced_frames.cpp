@@ -74,6 +74,23 @@ TEST_CASE("G19: a stop goes first on a line whose other drive is stepped before 
     CHECK(r.port.frames.front().data[0] == 1);
 }
 
+TEST_CASE("a poll that waits when the settings become stale is taken back, and leaves the line to others") {
+    rig r{milliseconds(20)};
+    client other{r.on, node<device>{2}};
+    CHECK(other.read<state>().error() == errc::timeout); // there is no node 2; a quarantine follows
+    r.port.frames.clear();
+    r.turn();
+    REQUIRE_FALSE(r.on.is_free()); // the poll has the line, and waits for the quarantine
+    REQUIRE(r.port.frames.empty());
+    r.on.note_change(1);
+    r.turn();
+    REQUIRE(r.drive.state() == drive_state::needs_init);
+    CHECK(r.on.is_free());
+    CHECK(other.read<state>().error() == errc::timeout); // `busy` if the poll still had the line
+    REQUIRE_FALSE(r.port.frames.empty());
+    CHECK(r.port.frames.front().data[0] == 2);
+}
+
 TEST_CASE("G20: the command timeout counts from the end of a setpoint, however long that took") {
     rig r;
     r.drive.set_command_timeout(milliseconds(100));

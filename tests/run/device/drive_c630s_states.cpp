@@ -295,6 +295,32 @@ TEST_CASE("set_up does not change registers that do not concern it") {
     }
 }
 
+TEST_CASE("set_up reads back each word that it writes: one that the drive does not hold ends it") {
+    unsigned judged = 0;
+    for (const u16 block : c630s::detail::set_up_blocks) {
+        for (u16 i = 0; i < c630s::detail::block_size; ++i) {
+            const auto address = static_cast<u16>(block + i);
+            for (const u16 held : {u16{1}, u16{0}, u16{2}}) {
+                if (c630s::detail::set_up_word(address, held) == held) continue;
+                CAPTURE(address);
+                CAPTURE(held);
+                odd_drive model{};
+                model.odd_address = address;
+                model.odd_word = held;
+                simulated::frame_port<odd_drive> port{model};
+                servobus::line line{port, modbus::timing_at(port.baud)};
+                c630s::drive drive{line, 1};
+                REQUIRE(drive.run(init{}));
+                CHECK(drive.run(set_up{}).error() == errc::unexpected_value);
+                CHECK(drive.state() == drive_state::needs_init);
+                ++judged;
+                break;
+            }
+        }
+    }
+    CHECK(judged > 70);
+}
+
 TEST_CASE("may_have_written covers the writes of a routine up to the reported step, and no others") {
     const routine table{routines::velocity};
     const auto ended = [](unsigned step) {

@@ -6,6 +6,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <vector>
 
 #include <doctest/doctest.h>
 
@@ -26,6 +27,7 @@ using enabled_yako::state_checked::take;
 using enabled_yako::state_checked::take_homed;
 using simulated::closed_axis;
 using simulated::open_axis;
+using simulated::writes_to;
 
 namespace {
 
@@ -324,6 +326,32 @@ TEST_CASE("G20: a superloop that never waits controls the axis; the axis stops a
     for (int i = 0; i < 20'000; ++i) turn();
     CHECK(a.sent(stop_frame) == stops + 1);
     CHECK_FALSE(a.is_moving());
+}
+
+TEST_CASE("each word of a segment is read back: one that the drive does not hold ends the command") {
+    const auto check = [](const auto& wanted, u16 first, u16 count) {
+        for (u16 i = 0; i < count; ++i) {
+            const auto address = static_cast<u16>(first + i);
+            CAPTURE(address);
+            closed_axis a;
+            take(a);
+            REQUIRE(a.drive.begin(wanted) == errc::ok);
+            for (tests::loop_bound left{"the write of the segment"}; !writes_to(a.requests.back(), address);
+                 left.use())
+                a.turn();
+            std::vector<std::uint8_t> held; // another program writes
+            for (u16 at = first; at < first + count; ++at) {
+                const unsigned word = a.model.peek(at) ^ (at == address ? 1u : 0u);
+                held.push_back(static_cast<std::uint8_t>(word >> 8));
+                held.push_back(static_cast<std::uint8_t>(word & 0xFFu));
+            }
+            REQUIRE(a.model.write(first, words_view{held}) == 0);
+            a.finish();
+            CHECK(a.drive.last().error() == errc::unexpected_value);
+        }
+    };
+    check(set_position_segment{2, 70'000 * pulse, 90 * r_per_min}, 0x0066, 6);
+    check(set_speed_segment{2, 90 * r_per_min}, 0x00C3, 3);
 }
 
 TEST_CASE("5.3: limits that were set are known, until they are switched off") {

@@ -243,9 +243,16 @@ TEST_CASE("YAKO: the input that has a function gives it away; save keeps it") {
     simulated::closed_axis c;
     REQUIRE(c.drive.run(init{}));
     REQUIRE(c.drive.run(disable{}));
-    const wiring_status none = c.drive.run(ya::wire_inputs{.x4 = input_function::home});
-    CHECK(none.error() == errc::bad_argument);
-    CHECK(none.terminal() == 0x0045);
+    // The drive has no X4, so nothing is sent, for the inputs before it either.
+    const std::size_t nothing = c.requests.size();
+    for (const ya::wire_inputs& beyond :
+         {ya::wire_inputs{.x4 = input_function::home},
+          ya::wire_inputs{.x0 = input_function::stop, .x4 = input_function::home}}) {
+        const wiring_status none = c.drive.run(beyond);
+        CHECK(none.error() == errc::bad_argument);
+        CHECK(none.terminal() == 0x0045);
+    }
+    CHECK(c.requests.size() == nothing);
     REQUIRE(c.drive.run(ya::wire_inputs{.x3 = input_function::home}));
     CHECK(c.model.peek(0x0041) == 0);
     CHECK(c.model.peek(0x0044) == 1);

@@ -22,6 +22,8 @@ using servobus::ring;
 using tests::byte_list;
 
 namespace {
+template <class Ring> constexpr std::size_t capacity_of = 0;
+template <std::size_t N> constexpr std::size_t capacity_of<ring<N>> = N;
 template <std::size_t N> constexpr bool is_a_capacity = requires { typename ring<N>; };
 static_assert(is_a_capacity<2> && is_a_capacity<4> && is_a_capacity<16384> && is_a_capacity<32768>);
 static_assert(!is_a_capacity<0> && !is_a_capacity<1> && !is_a_capacity<3> && !is_a_capacity<6>);
@@ -52,6 +54,7 @@ TEST_CASE_TEMPLATE("a full ring holds its whole capacity, and drops and counts t
     Ring r;
     std::uint32_t held = 0;
     while (r.push(static_cast<std::uint8_t>(held & 0xFF))) REQUIRE(++held <= 32768);
+    CHECK(held == capacity_of<Ring>);
     CHECK(sizeof(Ring) > held);
     CHECK(r.overruns() == 1);
     CHECK_FALSE(r.push(0xEE));

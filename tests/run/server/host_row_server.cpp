@@ -140,6 +140,21 @@ TEST_CASE("a request that comes immediately after the response is executed, as o
     }
 }
 
+TEST_CASE("G5, G13: a server of rows skips up to four bytes 00 or FF after a gap, and not five") {
+    for (const std::uint8_t glitch : {std::uint8_t{0x00}, std::uint8_t{0xFF}}) {
+        for (std::size_t n = 0; n <= 5; ++n) {
+            CAPTURE(n);
+            bench b;
+            REQUIRE(b.ask(read_selected) == is_selected);
+            b.t3_5();
+            b.receive(byte_list(n, glitch));
+            b.receive(read_selected);
+            b.quiet(timing.inter_byte.us + 1000); // the frame may begin with a byte 00 or FF until then
+            CHECK(b.response() == (n <= 4 ? is_selected : byte_list{}));
+        }
+    }
+}
+
 TEST_CASE("each function of the rows, and those with a length of their own") {
     bench b;
     CHECK(b.ask(framed({7, 1, 0, 0, 0, 4})) == framed({7, 1, 1, 5}));
