@@ -216,6 +216,7 @@ template <class Loop> struct robot {
         ++played.lost_ports;
         go(1700, 30);
         r.wire.plug();
+        r.log.open.clear(); // a request that the lost port has cut
         go(2000, 30);
         loses_enable = true;
         loop.operator_enables();
