@@ -55,6 +55,30 @@ constexpr const char* position(servobus::sim::zlac8015d_options::stopped p) {
     }
     return nullptr;
 }
+constexpr const char* position(servobus::sim::zlac8015d_options::idle p) {
+    using enum servobus::sim::zlac8015d_options::idle;
+    switch (p) {
+    case released: return "released";
+    case emergency: return "emergency";
+    }
+    return nullptr;
+}
+constexpr const char* position(servobus::sim::zlac8015d_options::start p) {
+    using enum servobus::sim::zlac8015d_options::start;
+    switch (p) {
+    case any: return "any";
+    case by_200F: return "by 200Fh";
+    }
+    return nullptr;
+}
+constexpr const char* position(servobus::sim::zlac8015d_options::ramp p) {
+    using enum servobus::sim::zlac8015d_options::ramp;
+    switch (p) {
+    case linear: return "linear";
+    case begins_anew: return "begins anew";
+    }
+    return nullptr;
+}
 constexpr const char* position(servobus::sim::zlac8015d_options::running p) {
     using enum servobus::sim::zlac8015d_options::running;
     switch (p) {
@@ -265,6 +289,12 @@ template <> struct switches_of<servobus::sim::zlac8015d_options> {
         detail::row<&options::code>("fault code"),
         detail::row<&options::by_fault>("a fault switches off"),
         detail::row<&options::code_1>("brake code 1"),
+        detail::row<&options::idle_shaft>("shaft without power"),
+        detail::row<&options::shows_speed_of_moves>("shows speed of moves"),
+        detail::row<&options::position_start>("position start"),
+        detail::row<&options::enables_without_mode>("enables without mode"),
+        detail::row<&options::speed_ramp>("speed ramp"),
+        detail::row<&options::checks_option_codes>("checks option codes"),
     };
 };
 
@@ -318,6 +348,7 @@ template <> struct switches_of<servobus::sim::c630s_options> {
         detail::row<&options::brake>("brake"),
         detail::row<&options::bus_stop>("bus stop"),
         detail::row<&options::commands_end>("commands end"),
+        detail::row<&options::homing_command_ends>("homing command ends"),
         detail::row<&options::segment_start_is_level>("segment start is level"),
         detail::row<&options::jog_follows_command>("jog follows command"),
         detail::row<&options::shows_last_alarm>("shows last alarm"),
@@ -325,6 +356,7 @@ template <> struct switches_of<servobus::sim::c630s_options> {
         detail::row<&options::delay_is_additional>("delay is additional"),
         detail::row<&options::disabled_inputs_count>("disabled inputs count"),
         detail::row<&options::first_output_shows>("first output shows"),
+        detail::row<&options::servo_on_waits_for_power_on>("servo-on waits for power-on"),
         detail::row<&options::gear_keeps_rest>("gear keeps rest"),
     };
 };
@@ -334,7 +366,7 @@ static_assert(detail::is_complete(switches_of<servobus::sim::yako_options>::rows
 static_assert(detail::is_complete(switches_of<servobus::sim::c630s_options>::rows));
 
 /// The position of each switch of one drive, in the order of its table; 0 beyond the end of the table.
-inline constexpr std::size_t most_switches = 20;
+inline constexpr std::size_t most_switches = 21;
 using switch_positions = std::array<std::uint8_t, most_switches>;
 
 constexpr switch_positions positions_of() { return {}; }

@@ -46,7 +46,7 @@ struct interpretation {
 
 namespace detail {
 inline const std::vector<unsigned> sizes{5, 2, 3, 2, 3, 2, 2, 2, 2, 2, 2, 2};
-inline const std::vector<unsigned> other_sizes{2, 2, 2, 2, 2};
+inline const std::vector<unsigned> other_sizes{2, 2, 2, 2, 2, 2, 2};
 } // namespace detail
 
 /// The number of positions of each switch of `options_of`.
@@ -68,28 +68,19 @@ inline servobus::sim::c630s_options options_of(const choice& c) {
             .brake = static_cast<c630s_brake>(c[2]),
             .bus_stop = static_cast<c630s_bus_stop>(c[4]),
             .commands_end = c[5] == 0,
+            .homing_command_ends = c[17] != 0,
             .segment_start_is_level = c[7] != 0,
             .jog_follows_command = c[8] != 0,
             .shows_last_alarm = c[11] != 0,
             .bus_voltage_in_volts = c[13] != 0,
             .delay_is_additional = c[14] != 0,
             .disabled_inputs_count = c[15] != 0,
-            .first_output_shows = c[16] != 0};
+            .first_output_shows = c[16] != 0,
+            .servo_on_waits_for_power_on = c[18] == 0};
 }
 
 namespace detail {
-inline std::vector<choice> choices_of_run() {
-    const char* wanted = std::getenv("SERVOBUS_INTERPRETATIONS");
-    if (wanted == nullptr || std::string_view{wanted} != "whole")
-        return ::interpretations::chosen(switches());
-    std::vector<choice> product = ::interpretations::whole_product(sizes);
-    const std::vector<choice> others = ::interpretations::whole_product(other_sizes);
-    for (std::size_t i = 0; i < product.size(); ++i) {
-        const choice& other = others[(i * 7) % others.size()];
-        product[i].insert(product[i].end(), other.begin(), other.end());
-    }
-    return product;
-}
+inline std::vector<choice> choices_of_run() { return ::interpretations::chosen(sizes, other_sizes); }
 } // namespace detail
 
 /// All interpretations, the default first.

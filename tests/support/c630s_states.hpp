@@ -59,6 +59,12 @@ inline void keep_in_model(sim::c630s& model, u16 address, u16 value) {
     REQUIRE(model.write(address, words_view{word}) == 0);
 }
 
+/// True if an output can show that the motor is energised: otherwise an enable ends `not_reached` [errata C77, C78].
+inline bool can_enable(const sim::c630s_options& how) {
+    return how.brake == sim::c630s_brake::follows_servo ||
+           (how.brake == sim::c630s_brake::wired_only && !how.first_output_shows);
+}
+
 /// A drive that is set up, with short delays. Its EEPROM has hazardous values: non-zero targets, in speed
 /// mode.
 inline sim::c630s make_ready(const sim::c630s_options& options) {

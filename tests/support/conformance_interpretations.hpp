@@ -35,8 +35,8 @@ template <class Manual> struct interpretations {
 };
 
 struct zlac8015d_manual {
-    static constexpr unsigned alone = 12;
-    static std::vector<unsigned> switches() { return zlac8015d_interpretations::sizes; }
+    static constexpr unsigned alone = 18;
+    static std::vector<unsigned> switches() { return zlac8015d_interpretations::switches(); }
     static auto options_of(const choice& c) { return zlac8015d_interpretations::options_of(c); }
 };
 
@@ -60,7 +60,7 @@ struct yako_manual {
 };
 
 struct c630s_manual {
-    static constexpr unsigned alone = 23;
+    static constexpr unsigned alone = 25;
     static std::vector<unsigned> switches() { return c630s_interpretations::switches(); }
     static auto options_of(const choice& c) { return c630s_interpretations::options_of(c); }
 };

@@ -101,12 +101,23 @@ inline std::vector<choice> whole_product(const std::vector<unsigned>& sizes) {
     return found;
 }
 
-/// The choices under which a safety test runs.
-inline std::vector<choice> chosen(const std::vector<unsigned>& sizes) {
+/// The choices under which a safety test runs. The whole product is that of `sizes`. In it the switches of `others`
+/// change from choice to choice, so that each of their positions is there with many choices.
+inline std::vector<choice> chosen(const std::vector<unsigned>& sizes,
+                                  const std::vector<unsigned>& others = {}) {
+    std::vector<unsigned> all = sizes;
+    all.insert(all.end(), others.begin(), others.end());
     const char* wanted = std::getenv("SERVOBUS_INTERPRETATIONS");
     const std::string_view how = wanted == nullptr ? "" : wanted;
-    if (how == "default") return {choice(sizes.size(), 0)};
-    return how == "whole" ? whole_product(sizes) : all_pairs(sizes);
+    if (how == "default") return {choice(all.size(), 0)};
+    if (how != "whole") return all_pairs(all);
+    std::vector<choice> product = whole_product(sizes);
+    const std::vector<choice> beside = whole_product(others);
+    for (std::size_t i = 0; i < product.size(); ++i) {
+        const choice& other = beside[(i * 7) % beside.size()];
+        product[i].insert(product[i].end(), other.begin(), other.end());
+    }
+    return product;
 }
 
 /// For a failure's message: the position of each switch.

@@ -23,11 +23,12 @@
 
 namespace interpretations {
 
-/// Plays `scenes(choice)` under each choice. If SERVOBUS_INTERPRETATIONS is set, prints the number of choices and
-/// scenes.
+/// Plays `scenes(choice)` under each choice, which has the positions of `others` behind those of `sizes`. Prints the
+/// number of choices and scenes if SERVOBUS_INTERPRETATIONS is set.
 template <class Scenes>
-void under(const char* drive, const std::vector<unsigned>& sizes, const Scenes& scenes) {
-    const std::vector<choice> all = chosen(sizes);
+void under(const char* drive, const std::vector<unsigned>& sizes, const Scenes& scenes,
+           const std::vector<unsigned>& others = {}) {
+    const std::vector<choice> all = chosen(sizes, others);
     std::size_t played = 0;
     for (const choice& c : all) {
         const std::string positions = name(c);

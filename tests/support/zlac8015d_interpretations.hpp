@@ -15,6 +15,15 @@ namespace zlac8015d_interpretations {
 using options = servobus::sim::zlac8015d_options;
 
 inline const std::vector<unsigned> sizes{2, 2, 2, 2, 2, 2, 3, 2, 2, 2};
+/// Those that only the field has shown to be open.
+inline const std::vector<unsigned> other_sizes{2, 2, 2, 2, 2, 2};
+
+/// The number of positions of each switch of `options_of`.
+inline std::vector<unsigned> switches() {
+    std::vector<unsigned> all = sizes;
+    all.insert(all.end(), other_sizes.begin(), other_sizes.end());
+    return all;
+}
 
 inline options options_of(const interpretations::choice& c) {
     return {.resumes_after_watchdog = c[0] == 0,
@@ -26,13 +35,20 @@ inline options options_of(const interpretations::choice& c) {
             .bit = static_cast<options::running>(c[6]),
             .code = static_cast<options::fault_code>(c[7]),
             .by_fault = static_cast<options::switched_off>(c[8]),
-            .code_1 = static_cast<options::brake>(c[9])};
+            .code_1 = static_cast<options::brake>(c[9]),
+            .idle_shaft = static_cast<options::idle>(c[10]),
+            .shows_speed_of_moves = c[11] == 0,
+            .position_start = static_cast<options::start>(c[12]),
+            .enables_without_mode = c[13] != 0,
+            .speed_ramp = static_cast<options::ramp>(c[14]),
+            .checks_option_codes = c[15] == 0};
 }
 
 /// Plays `scenes(options)` under each choice of the drive's switches; it returns how many scenes it played.
 template <class Scenes> void under(const Scenes& scenes) {
-    interpretations::under("zlac8015d", sizes,
-                           [&](const interpretations::choice& c) { return scenes(options_of(c)); });
+    interpretations::under(
+        "zlac8015d", sizes, [&](const interpretations::choice& c) { return scenes(options_of(c)); },
+        other_sizes);
 }
 
 } // namespace zlac8015d_interpretations

@@ -34,8 +34,8 @@ inline constexpr option_switch<c630s_chosen> c630s_switches[] = {
     switched<&c630s_chosen::brake>("brake", detail::c630s_brake_ways, "what FunOUT.9 shows [C77]"),
     switched<&c630s_chosen::bus_stop>("bus_stop", detail::c630s_bus_stop_ways,
                                       "P0D-05 once the motor is at rest [C81]"),
-    switched<&c630s_chosen::commands_end>(
-        "commands_end", "P05-30, P0D-01, P0D-20, P02-31 read 0 once they are carried out [C80]"),
+    switched<&c630s_chosen::commands_end>("commands_end",
+                                          "P0D-01, P0D-20, P02-31 read 0 once they are carried out [C80]"),
     switched<&c630s_chosen::segment_start_is_level>("segment_start_is_level", "FunIN.28 needs a level [C23]"),
     switched<&c630s_chosen::jog_follows_command>("jog_follows_command",
                                                  "FunIN.18 and 19 run at P06-03 [C83]"),
@@ -50,6 +50,10 @@ inline constexpr option_switch<c630s_chosen> c630s_switches[] = {
                                                 "two outputs with one function: which shows it [C78]"),
     switched<&c630s_chosen::gear_keeps_rest>("gear_keeps_rest",
                                              "what a displacement leaves below a count of the encoder [C84]"),
+    switched<&c630s_chosen::homing_command_ends>("homing_command_ends",
+                                                 "P05-30 reads 0 once it is carried out [C80]"),
+    switched<&c630s_chosen::servo_on_waits_for_power_on>(
+        "servo_on_waits_for_power_on", "a change of S-ON's terminal waits for the next power-on [C15]"),
 };
 inline constexpr auto c630s_interpretations = interpretations_of(c630s_switches);
 

@@ -19,6 +19,9 @@ inline constexpr const char* zlac_running[] = {"turns", "driven", "enabled"};
 inline constexpr const char* zlac_code[] = {"until_reset", "until_restart"};
 inline constexpr const char* zlac_off[] = {"both_wheels", "its_wheel"};
 inline constexpr const char* zlac_brake[] = {"engages", "releases"};
+inline constexpr const char* zlac_idle[] = {"released", "emergency"};
+inline constexpr const char* zlac_start[] = {"any", "by_200F"};
+inline constexpr const char* zlac_ramp[] = {"linear", "begins_anew"};
 } // namespace detail
 
 using zlac_options = servobus::sim::zlac8015d_options;
@@ -39,6 +42,17 @@ inline constexpr option_switch<zlac_options> zlac8015d_switches[] = {
     switched<&zlac_options::by_fault>("by_fault", detail::zlac_off, "which wheel a fault switches off [B33]"),
     switched<&zlac_options::code_1>("code_1", detail::zlac_brake,
                                     "201Ah, 201Bh = 1: what the brake does [B29]"),
+    switched<&zlac_options::idle_shaft>("idle_shaft", detail::zlac_idle,
+                                        "20A2h: the shaft of a motor without power [B30]"),
+    switched<&zlac_options::shows_speed_of_moves>("shows_speed_of_moves",
+                                                  "20ABh, 20ACh show the speed of a move too [B31]"),
+    switched<&zlac_options::position_start>("position_start", detail::zlac_start,
+                                            "10h, 11h and 12h: which of them start a move [B25]"),
+    switched<&zlac_options::enables_without_mode>("enables_without_mode", "08h before a mode enables [B35]"),
+    switched<&zlac_options::speed_ramp>("speed_ramp", detail::zlac_ramp,
+                                        "2080h to 2083h: how a speed is reached [B36]"),
+    switched<&zlac_options::checks_option_codes>("checks_option_codes",
+                                                 "2012h to 2014h take the printed codes alone [B14]"),
 };
 inline constexpr auto zlac8015d_interpretations = interpretations_of(zlac8015d_switches);
 

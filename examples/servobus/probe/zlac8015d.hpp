@@ -25,6 +25,7 @@ class zlac8015d_probe : probe_steps {
         if (is_in_alarm()) return on_->give_up("a wheel is in alarm: reset its fault, and probe again");
         brake();
         fault_code();
+        option_code();
         if (on_->may("The wheels are held, and turn at 5 r/min, some seconds at a time. They are lifted or "
                      "free to turn.")) {
             at_standstill();
@@ -33,6 +34,9 @@ class zlac8015d_probe : probe_steps {
             after_a_silence();
             without_a_watchdog();
             one_wheel_at_fault();
+            without_a_mode();
+            with_changing_targets();
+            in_position_mode();
         }
         stop();
         old_.restore();
@@ -56,6 +60,8 @@ class zlac8015d_probe : probe_steps {
     static constexpr u16 watchdog = 5000;      // ms, while nothing is asked of it
     static constexpr u16 short_watchdog = 300; // ms
     static constexpr u16 ramp = 200;           // ms
+    static constexpr u16 long_ramp = 2000;     // ms
+    static constexpr std::int32_t way = 1000;  // counts of a move; 100 of them show that a wheel moves
     static constexpr int most = 50;            // readings
 
     void note_old_words() {
@@ -66,8 +72,12 @@ class zlac8015d_probe : probe_steps {
               z::left_acceleration_time.address, z::right_acceleration_time.address,
               z::left_deceleration_time.address, z::right_deceleration_time.address,
               z::left_target_speed.address, z::right_target_speed.address, z::left_target_torque.address,
-              z::right_target_torque.address, z::left_brake.address, z::right_brake.address})
+              z::right_target_torque.address, z::left_brake.address, z::right_brake.address,
+              z::halt_option_code.address, z::position_synchronisation.address, z::left_max_speed.address,
+              z::right_max_speed.address})
             old_.note(address);
+        old_.note_pair(z::left_target_position.address);
+        old_.note_pair(z::right_target_position.address);
         resolution_ = on_->read(z::speed_resolution.address);
         if (resolution_ == 0) resolution_ = 1;
     }
@@ -97,6 +107,11 @@ class zlac8015d_probe : probe_steps {
     bool stands() {
         return until([&] { return left_speed() == 0 && right_speed() == 0; }, most);
     }
+    // The end of an S-shaped ramp reads as 0 already, and a mode is not taken before the wheels stand.
+    void come_to_rest() {
+        (void)stands();
+        wait();
+    }
     void keep_asking(int times) {
         for (int i = 0; i < times; ++i) {
             (void)left();
@@ -115,7 +130,7 @@ class zlac8015d_probe : probe_steps {
         on_->write_safely(z::left_target_speed.address, 0);
         on_->write_safely(z::right_target_speed.address, 0);
         on_->write_safely(z::control_word.address, static_cast<u16>(control::stop));
-        (void)stands();
+        come_to_rest();
     }
     // Enabled in velocity mode with targets 0.
     void enable(mode in = mode::velocity) {
@@ -125,11 +140,16 @@ class zlac8015d_probe : probe_steps {
         (void)on_->write(z::left_target_torque.address, 0);
         (void)on_->write(z::right_target_torque.address, 0);
         (void)on_->write(z::mode_of_operation.address, static_cast<u16>(in));
-        for (const u16 address : {z::left_acceleration_time.address, z::right_acceleration_time.address,
-                                  z::left_deceleration_time.address, z::right_deceleration_time.address})
-            (void)on_->write(address, ramp);
+        speed_up_in(ramp);
+        (void)on_->write(z::left_deceleration_time.address, ramp);
+        (void)on_->write(z::right_deceleration_time.address, ramp);
         command(control::enable);
         wait();
+    }
+    void speed_up_in(u16 time) {
+        namespace z = servobus::zlac8015d;
+        (void)on_->write(z::left_acceleration_time.address, time);
+        (void)on_->write(z::right_acceleration_time.address, time);
     }
     bool turns_slowly() {
         set_targets(slow, slow);
@@ -162,7 +182,11 @@ class zlac8015d_probe : probe_steps {
         const shaft after = left().shaft;
         if (after == shaft::emergency_stop || after == shaft::locked)
             found("after_quick_stop", after == shaft::emergency_stop ? "emergency" : "locked");
-        command(control::stop);
+        stop();
+        wait();
+        const shaft idle = left().shaft;
+        if (idle == shaft::emergency_stop || idle == shaft::released)
+            found("idle_shaft", idle == shaft::emergency_stop ? "emergency" : "released");
     }
 
     // The shaft's bits of a wheel that turns; then the running bit of one that rolls without power.
@@ -232,6 +256,73 @@ class zlac8015d_probe : probe_steps {
         command(control::fault_reset);
         (void)until([&] { return left().shaft != shaft::alarm; }, 5);
         old_.put_back(z::max_motor_speed.address);
+    }
+
+    // 2014h, on which nothing depends, takes a word that the manual does not print, or refuses it.
+    void option_code() {
+        namespace z = servobus::zlac8015d;
+        const bool is_taken = on_->write(z::halt_option_code.address, 500);
+        found("checks_option_codes", is_taken ? "no" : "yes");
+        old_.put_back(z::halt_option_code.address);
+    }
+
+    // Enabled first, and then in velocity mode: the wheels turn, or they do not.
+    void without_a_mode() {
+        namespace z = servobus::zlac8015d;
+        stop();
+        (void)on_->write(z::mode_of_operation.address, 0);
+        command(control::enable);
+        wait();
+        (void)on_->write(z::mode_of_operation.address, static_cast<u16>(mode::velocity));
+        found("enables_without_mode", turns_slowly() ? "yes" : "no");
+        stop();
+    }
+
+    // Two targets in turn, for as long as a ramp takes: its speed is reached, or it begins anew each time.
+    void with_changing_targets() {
+        enable();
+        speed_up_in(long_ramp); // and slow down in the short one, if the line is lost now
+        for (int i = 0; i < 20; ++i) {
+            set_targets(slow + i % 2, slow + i % 2);
+            wait();
+        }
+        const bool is_reached = left_speed() >= turning;
+        const bool turns = until([&] { return left_speed() >= turning; }, most);
+        if (turns) found("speed_ramp", is_reached ? "linear" : "begins_anew");
+        stop();
+    }
+
+    // A move of both wheels by 10h while 200Fh is 0; else of the left one by 11h. What the speeds show of it.
+    void in_position_mode() {
+        namespace z = servobus::zlac8015d;
+        stop();
+        (void)on_->write(z::position_synchronisation.address, 0);
+        (void)on_->write(z::left_max_speed.address, slow);
+        (void)on_->write(z::right_max_speed.address, slow);
+        enable(mode::relative_position);
+        (void)write_number(z::left_target_position.address, way);
+        (void)write_number(z::right_target_position.address, way);
+        const std::int32_t left_from = read_number(z::left_actual_position.address);
+        const std::int32_t right_from = read_number(z::right_actual_position.address);
+        const auto has_moved = [&](u16 address, std::int32_t from) {
+            const std::int32_t gone = read_number(address) - from;
+            return gone > way / 10 || gone < -way / 10;
+        };
+        bool shows_speed = false;
+        const auto left_moves = [&] {
+            shows_speed = shows_speed || left_speed() >= turning;
+            return has_moved(z::left_actual_position.address, left_from);
+        };
+        command(control::start_both);
+        const bool starts_both =
+            until(left_moves, 15) && has_moved(z::right_actual_position.address, right_from);
+        if (!starts_both) command(control::start_left);
+        if (until(left_moves, 15)) {
+            found("position_start", starts_both ? "any" : "by_200F");
+            found("shows_speed_of_moves", shows_speed ? "yes" : "no");
+        }
+        stop();
+        keep_asking(10); // the speeds may not show whether the wheels stand
     }
 
     // Both are released for what follows, if it is known how.

@@ -239,13 +239,14 @@ class c630s : private detail::c630s_core {
             note_storing();
         }
         memory_.put(n, bits);
-        if (options_.commands_end || value != before || !is_command(e.address)) act(e.address, value);
+        if (value != before || !keeps_command(e.address)) act(e.address, value);
     }
-    // Commands that keep their value if `commands_end` is false.
-    static constexpr bool is_command(std::uint16_t address) {
-        return address == coolmay::homing_control.address || address == coolmay::alarm_reset.address ||
-               address == coolmay::reset_absolute_encoder.address ||
-               address == coolmay::initialise_parameters.address;
+    // A command that keeps its value once it is carried out: the same value is none again.
+    constexpr bool keeps_command(std::uint16_t address) const {
+        if (address == coolmay::homing_control.address) return !options_.homing_command_ends;
+        return !options_.commands_end && (address == coolmay::alarm_reset.address ||
+                                          address == coolmay::reset_absolute_encoder.address ||
+                                          address == coolmay::initialise_parameters.address);
     }
     constexpr void end_command(std::uint16_t address) {
         if (options_.commands_end) memory_.set(address, 0);

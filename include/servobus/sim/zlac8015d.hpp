@@ -17,17 +17,17 @@
 // another interpretation matters, `options` has a switch for it; "no switch" gives the reason where it does not:
 //
 //  1  Writing a read-only register is exception 2; a value outside its range or code list is exception 3.
-//     Either way the host learns that nothing was written: no switch.
-//  2  A command that does not fit the state is acknowledged and ignored: a mode while a wheel turns, enable
-//     without a mode, with a fault or an active stop input, a start in the wrong mode or with the wrong
-//     200Fh, factory reset while enabled. Only the registers show it: 200Dh keeps its old value. A drive that
-//     refuses instead is the easier one: no switch.
+//     Either way the host learns that nothing was written: no switch, but `options::checks_option_codes` for
+//     codes that no order uses.
+//  2  A command that does not fit the state is acknowledged and ignored: a mode while a wheel turns, enable with
+//     a fault or an active stop input, a start in the wrong mode, factory reset while enabled. Only the
+//     registers show it: 200Dh keeps its old value. A drive that refuses instead is the easier one: no switch.
+//     An enable without a mode: `options::enables_without_mode`; a start that 200Fh does not name:
+//     `options::position_start`.
 //  3  Mode 0 disables. With any other mode, enable moves a wheel immediately if its target is not zero. A
 //     program that zeroes the targets first, and writes a mode at standstill only, meets neither: no switch.
-//  4  The acceleration time leads from 0 to the target, the deceleration time from the speed at which slowing
-//     began to 0; in position modes both refer to 208Eh/208Fh. Ramps are linear. No guarantee of the library
-//     depends on the shape of a ramp, since it waits for standstill as long as the longest ramp takes: no
-//     switch.
+//  4  Ramps to a speed: `options::speed_ramp`. In position modes both times refer to 208Eh/208Fh, and the ramps
+//     are linear. The library waits for standstill as long as the longest ramp takes.
 //  5  Stop (07h) slows down by 2082h/2083h and releases the shaft, or with 2013h = 0 releases it immediately.
 //     The factory setting is 1; with 0 either behaviour shows in the speeds, which are read: no switch.
 //  6  Quick stop (05h) of an enabled drive holds the shaft afterwards until 08h, or until 07h, which releases
@@ -55,7 +55,8 @@
 //     that is not enabled. 2019h, which inverts B0 and B1, is not modelled: `options::code_1` has the same
 //     effect.
 // 14  0 encoder lines count as 1024. This is a scale of positions, on which no guarantee depends: no switch.
-// 15  20A2h: `options::while_turning`, `in_torque_mode` and `bit`.
+// 15  20A2h: `options::while_turning`, `in_torque_mode`, `idle_shaft` and `bit`. The speeds of a move:
+//     `options::shows_speed_of_moves`.
 #pragma once
 
 #include <array>
@@ -124,7 +125,7 @@ class zlac8015d : private detail::zlac8015d_core {
     /// 32-bit value is accepted without a range check.
     constexpr std::uint8_t write(std::uint16_t address, words_view from) {
         note_request();
-        const std::uint8_t refusal = memory::refuse_write(address, from);
+        const std::uint8_t refusal = memory_.refuse_write(address, from);
         if (refusal != 0) return refusal;
         for (std::size_t i = 0; i < from.size(); ++i)
             accept(static_cast<std::uint16_t>(address + i), from[i]);
@@ -268,7 +269,11 @@ class zlac8015d : private detail::zlac8015d_core {
             return options_.after_quick_stop == options::stopped::emergency ? shaft_state::emergency_stop
                                                                             : shaft_state::locked;
         }
-        if (state_ == state::idle) return is_locked_ ? shaft_state::locked : shaft_state::released;
+        if (state_ == state::idle) {
+            return is_locked_                                       ? shaft_state::locked
+                   : options_.idle_shaft == options::idle::released ? shaft_state::released
+                                                                    : shaft_state::emergency_stop;
+        }
         const bool is_released =
             (options_.while_turning == options::shaft::released && !a.stands()) ||
             (options_.in_torque_mode == options::shaft::released && mode() == operating_mode::torque);
@@ -283,6 +288,13 @@ class zlac8015d : private detail::zlac8015d_core {
             return turns && state_ != state::idle && !is_released_ && a.faults() == 0;
         default: return turns;
         }
+    }
+
+    constexpr std::uint16_t speed_word_of(const axis& a) const {
+        const bool is_positioning =
+            mode() == operating_mode::relative_position || mode() == operating_mode::absolute_position;
+        return is_positioning && !options_.shows_speed_of_moves ? std::uint16_t{0}
+                                                                : static_cast<std::uint16_t>(a.speed_word());
     }
 
     constexpr zlac::axis_status status_of(const axis& a) const { return {shaft_of(a), running_bit_of(a)}; }
@@ -313,8 +325,8 @@ class zlac8015d : private detail::zlac8015d_core {
         memory_.set(zlac::right_faults.address, right_.fault_code());
         memory_.set_pair(zlac::left_actual_position.address, left_.feedback());
         memory_.set_pair(zlac::right_actual_position.address, right_.feedback());
-        memory_.set(zlac::left_actual_speed.address, static_cast<std::uint16_t>(left_.speed_word()));
-        memory_.set(zlac::right_actual_speed.address, static_cast<std::uint16_t>(right_.speed_word()));
+        memory_.set(zlac::left_actual_speed.address, speed_word_of(left_));
+        memory_.set(zlac::right_actual_speed.address, speed_word_of(right_));
         memory_.set(zlac::left_actual_torque.address, static_cast<std::uint16_t>(left_.current_word()));
         memory_.set(zlac::right_actual_torque.address, static_cast<std::uint16_t>(right_.current_word()));
         memory_.set(zlac::host_connected.address, 1);

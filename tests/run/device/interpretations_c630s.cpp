@@ -10,6 +10,7 @@
 #include <cstdint>
 
 #include <tests/support/c630s_interpretations.hpp>
+#include <tests/support/c630s_states.hpp>
 #include <tests/support/driven_c630s.hpp>
 
 namespace interpretations_c630s_tests {
@@ -17,6 +18,7 @@ namespace interpretations_c630s_tests {
 using namespace servobus;
 using namespace servobus::units;
 using namespace servobus::c630s;
+using c630s_scenes::can_enable;
 using rig = simulated::driven_c630s;
 using read_so = c630s_interpretations::interpretation;
 
@@ -37,10 +39,6 @@ bool make_ready(rig& r, const sim::c630s_options& how) {
     }
     return how.brake != sim::c630s_brake::wired_only ||
            r.drive.run(keep<do2_function>{output_function::brake});
-}
-bool can_enable(const sim::c630s_options& how) {
-    return how.brake == sim::c630s_brake::follows_servo ||
-           (how.brake == sim::c630s_brake::wired_only && !how.first_output_shows);
 }
 /// Enables the drive, or checks that the enable fails where nothing can confirm it, and that the power is
 /// then off.

@@ -63,7 +63,7 @@ class run {
   private:
     sim::zlac8015d_options options() {
         interpretations::choice c;
-        for (const unsigned size : zlac8015d_interpretations::sizes)
+        for (const unsigned size : zlac8015d_interpretations::switches())
             c.push_back(one_in(3) ? random_.below(size) : 0);
         return zlac8015d_interpretations::options_of(c);
     }

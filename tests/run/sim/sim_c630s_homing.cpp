@@ -20,7 +20,8 @@ namespace {
 // A homing mode of P05-31 on a machine with a switch from 2.5 to 3.5 turns and limits at -10 and 10 turns.
 struct homing_bench : bench {
     explicit homing_bench(int mode, std::int64_t home_from = 5 * turn / 2,
-                          std::int64_t home_to = 7 * turn / 2) {
+                          std::int64_t home_to = 7 * turn / 2)
+        : bench{{.homing_command_ends = true}} {
         assign({in::homing_start});
         set(map::di2_function, in::positive_overtravel);
         set(map::di3_function, in::negative_overtravel);
@@ -115,15 +116,24 @@ TEST_CASE("homing that takes longer than P05-35 is Er.601, a warning") {
 }
 
 TEST_CASE("P05-30: 6 sets home immediately, 1 and 2 wait for the input, 3 homes after power-on, 0 aborts") {
-    bench b;
-    b.begin_segments(map::segment_mode::single, {in::homing_start});
-    b.start();
-    b.run_until_still();
-    CHECK(b.reference() == 10'000);
-    b.set(map::homing_control, map::homing::set_home);
-    CHECK(b.reference() == 0);
-    CHECK(b.get(map::homing_control) == map::homing::off);
-    CHECK(b.drive.in_force(map::homing_control.address) == 0);
+    for (const bool ends : {true, false}) {
+        bench b{{.homing_command_ends = ends}};
+        b.begin_segments(map::segment_mode::single, {in::homing_start});
+        b.start();
+        b.run_until_still();
+        CHECK(b.reference() == 10'000);
+        b.set(map::homing_control, map::homing::set_home);
+        CHECK(b.reference() == 0);
+        CHECK(b.get(map::homing_control) == (ends ? map::homing::off : map::homing::set_home));
+        CHECK(b.drive.in_force(map::homing_control.address) == (ends ? 0 : 6));
+        b.start(); // the same value is a command again, or is none [C80]
+        b.run_until_still();
+        b.set(map::homing_control, map::homing::set_home);
+        CHECK((b.reference() == 0) == ends);
+        b.set(map::homing_control, map::homing::off);
+        b.set(map::homing_control, map::homing::set_home);
+        CHECK(b.reference() == 0);
+    }
 
     homing_bench by_input{0};
     by_input.set(map::homing_control, map::homing::by_input);

@@ -104,7 +104,7 @@ TEST_CASE("C80: a restart discards a homing command that the EEPROM keeps, or ca
         CHECK(b.drive.is_homing() == is_kept);
         CHECK((b.get(map::actual_speed) != 0) == is_kept);
 
-        bench here{{.restart_keeps = kept}};
+        bench here{{.restart_keeps = kept, .homing_command_ends = true}};
         here.set(map::homing_control, map::homing::set_home);
         here.run(2);
         CHECK(here.drive.is_active(out::home_attained));

@@ -83,7 +83,7 @@ TEST_CASE(
 TEST_CASE("gaps in a range cause exception 3, and a block is written completely or not at all") {
     bench b;
     CHECK(b.put(map::homing_control, 7) == 3);
-    CHECK(b.put(map::auxiliary_speed_source, 3) == 3);
+    CHECK(b.put(map::auxiliary_speed_source, 4) == 3);
     CHECK(b.put(map::pulse_command_form, 3) == 3);
     CHECK(b.write(map::acceleration_time.address, {300, 400, 7000}) == 3); // P06-07 ends at 6000
     CHECK(b.get(map::acceleration_time) == 200);

@@ -182,11 +182,12 @@ TEST_CASE("the last 64 writes of parameters are logged, and no older one") {
     CHECK(b.drive.last_write(64).address == 0);
 }
 
-TEST_CASE("3 and 4 are invalid sources of the auxiliary speed") {
+TEST_CASE(
+    "C38: 4 is an invalid source of the auxiliary speed; 3 is taken, as an ancestor of the drive takes it") {
     bench b;
     for (int source = 0; source <= 6; ++source) {
         CAPTURE(source);
-        const bool is_one = source <= 2 || source == 5;
+        const bool is_one = source <= 3 || source == 5;
         CHECK(b.put(map::auxiliary_speed_source, source) == (is_one ? 0 : 3));
     }
 }

@@ -56,6 +56,66 @@ TEST_CASE("B31: during a quick stop that brakes the wheels the running bits are 
     CHECK_FALSE(b.status().is_running());
 }
 
+TEST_CASE("B30: a motor without power shows a released shaft, or an emergency stop; locked by 2007h it shows "
+          "that") {
+    for (const auto shown : {switches::idle::released, switches::idle::emergency}) {
+        const auto expected =
+            shown == switches::idle::released ? shaft_state::released : shaft_state::emergency_stop;
+        bench b{{.idle_shaft = shown}};
+        CHECK(b.status().left.shaft == expected);
+        CHECK(b.status().right.shaft == expected);
+        b.begin(operating_mode::velocity);
+        CHECK(b.status().left.shaft == shaft_state::locked);
+        b.command(control_code::stop);
+        b.run(1000);
+        CHECK(b.status().left.shaft == expected);
+        b.set(map::shaft_at_power_on, 1);
+        b.command(control_code::fault_reset);
+        CHECK(b.write(0x2010, {1}) == 0);
+        b.drive.power_cycle();
+        CHECK(b.status().left.shaft == shaft_state::locked);
+    }
+}
+
+TEST_CASE("B31: the speed registers show the speed of a move too, or 0 in the position modes") {
+    for (const auto mode :
+         {operating_mode::relative_position, operating_mode::absolute_position, operating_mode::velocity}) {
+        bench b{{.shows_speed_of_moves = false}};
+        b.set(map::position_synchronisation, 1);
+        b.begin(mode);
+        CHECK(b.write(0x2088, {20, 20}) == 0);
+        CHECK(b.write(0x208A, {0, 20000, 0, 20000}) == 0);
+        if (mode != operating_mode::velocity) b.command(control_code::start_both);
+        b.run(700);
+        CHECK(b.drive.left().speed != 0);
+        CHECK((b.get(map::left_actual_speed) != 0) == (mode == operating_mode::velocity));
+        CHECK((b.get(map::right_actual_speed) != 0) == (mode == operating_mode::velocity));
+    }
+}
+
+TEST_CASE("B35: 08h before a mode is ignored, or enables a drive that obeys the mode which is set then") {
+    for (const bool enables : {false, true}) {
+        bench b{{.enables_without_mode = enables}};
+        b.command(control_code::enable);
+        CHECK(b.drive.enabled() == enables);
+        b.set(map::mode_of_operation, static_cast<std::uint16_t>(operating_mode::velocity));
+        CHECK(b.write(0x2088, {20, 20}) == 0);
+        b.run(1000);
+        CHECK((b.drive.left().speed != 0) == enables);
+    }
+}
+
+TEST_CASE("B14: 2012h to 2014h take the printed codes, or any word; 2011h keeps its range") {
+    for (const bool checks : {true, false}) {
+        bench b{{.checks_option_codes = checks}};
+        for (const std::uint16_t address : std::initializer_list<std::uint16_t>{0x2012, 0x2013, 0x2014}) {
+            CHECK((b.write(address, {500}) == 0) == !checks);
+            CHECK(b.write(address, {1}) == 0);
+        }
+        CHECK(b.write(0x2011, {500}) == 3);
+    }
+}
+
 TEST_CASE("B33: if a fault switches only its wheel off, a start moves the other wheel alone") {
     for (const bool is_left : {true, false}) {
         CAPTURE(is_left);

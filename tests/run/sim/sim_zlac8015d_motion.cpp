@@ -22,7 +22,7 @@ using namespace zlac8015d_bench;
 
 // Velocity
 
-TEST_CASE("velocity: the ramps take their times and end at the target") {
+TEST_CASE("B36: a linear ramp takes its time from 0, and ends at the target") {
     bench b;
     CHECK(b.write(0x2080, {1000, 500, 250, 2000}) == 0);
     b.begin(operating_mode::velocity);
@@ -42,6 +42,35 @@ TEST_CASE("velocity: the ramps take their times and end at the target") {
     b.run(1252);
     CHECK(b.get(map::right_actual_speed) == 600);
     CHECK(!b.status().left.is_running);
+}
+
+TEST_CASE("B36: a ramp begins anew with each changed target, and takes its whole time") {
+    bench b{{.speed_ramp = sim::zlac8015d_options::ramp::begins_anew}};
+    CHECK(b.write(0x2080, {1000, 500, 250, 2000}) == 0);
+    b.begin(operating_mode::velocity);
+    CHECK(b.write(0x2088, {100, -60}) == 0);
+    b.run(2 + 250);
+    CHECK(about(b.drive.left().speed, 100 * one_r_per_min * 106 / 1024,
+                one_r_per_min)); // 10/64 - 15/256 + 6/1024
+    CHECK(about(b.drive.right().speed, -30 * one_r_per_min, one_r_per_min));
+    b.run(751);
+    CHECK(b.get(map::left_actual_speed) == 1000);
+    CHECK(b.get(map::right_actual_speed) == -600);
+    CHECK(b.write(0x2088, {90, 60}) == 0); // the right wheel reverses, over the time to slow down
+    b.run(2 + 125);
+    CHECK(about(b.drive.left().speed, 95 * one_r_per_min, one_r_per_min));
+    CHECK(b.write(0x2088, {90, 60}) == 0); // the same again changes nothing
+    b.run(126);
+    CHECK(b.get(map::left_actual_speed) == 900);
+    b.run(1002 - 253);
+    CHECK(about(b.drive.right().speed, 0, one_r_per_min));
+    b.run(1001);
+    CHECK(b.get(map::right_actual_speed) == 600);
+    for (int i = 0; i < 50; ++i) { // a target every 20 ms is reached by no ramp of a second
+        CHECK(b.write(0x2088, {static_cast<std::int16_t>(91 + i), 60}) == 0);
+        b.run(20);
+    }
+    CHECK(b.get(map::left_actual_speed) < 910);
 }
 
 TEST_CASE("velocity: position is the integral of speed") {
@@ -148,21 +177,28 @@ TEST_CASE("position: the speed stays within 208Eh/208Fh and 2008h") {
     CHECK(b.drive.left().position == 0);
 }
 
-TEST_CASE("position: 10h starts both wheels if 200Fh = 1, 11h and 12h one each if it is 0") {
-    for (const bool is_synchronous : {false, true}) {
-        bench b;
-        b.set(map::position_synchronisation, is_synchronous ? 1 : 0);
-        b.begin(operating_mode::relative_position);
-        CHECK(b.write(0x208A, {0, 1000, -1, -1000}) == 0);
-        b.command(control_code::start_both);
-        b.run(2000);
-        CHECK(b.drive.left().position == (is_synchronous ? 1000 : 0));
-        CHECK(b.drive.right().position == (is_synchronous ? -1000 : 0));
-        b.command(control_code::start_right);
-        b.run(2000);
-        CHECK(b.drive.right().position == -1000);
-        CHECK(b.drive.starts() == 1);
-        CHECK(b.drive.left().starts == (is_synchronous ? 1 : 0));
+TEST_CASE("B25: 10h, 11h and 12h start their wheels whatever 200Fh is, or 10h if it is 1 and the others if "
+          "it is 0") {
+    using start = sim::zlac8015d_options::start;
+    for (const start which : {start::any, start::by_200F}) {
+        for (const bool is_synchronous : {false, true}) {
+            CAPTURE(is_synchronous);
+            bench b{{.position_start = which}};
+            const bool starts_both = which == start::any || is_synchronous;
+            const bool starts_one = which == start::any || !is_synchronous;
+            b.set(map::position_synchronisation, is_synchronous ? 1 : 0);
+            b.begin(operating_mode::relative_position);
+            CHECK(b.write(0x208A, {0, 1000, -1, -1000}) == 0);
+            b.command(control_code::start_both);
+            b.run(2000);
+            CHECK(b.drive.left().position == (starts_both ? 1000 : 0));
+            CHECK(b.drive.right().position == (starts_both ? -1000 : 0));
+            b.command(control_code::start_right);
+            b.run(2000);
+            CHECK(b.drive.left().position == (starts_both ? 1000 : 0));
+            CHECK(b.drive.right().position == (starts_both ? -1000 : 0) + (starts_one ? -1000 : 0));
+            CHECK(b.drive.starts() == (starts_both ? 1 : 0) + (starts_one ? 1 : 0));
+        }
     }
 }
 

@@ -48,10 +48,10 @@
 //     P05-16 has no effect. [A start needs a standstill; where a run leads depends on its parameters.]
 // 11  While a position command runs, the deviation is the distance of 25 ms at its speed. COIN is active at
 //     rest and for a short time after a start. [The worst for `wait_standstill`.]
-// 12  P05-30 = 4 and 5 wait until the motor is enabled in position control and read 0 afterwards; 6 acts
+// 12  P05-30 = 4 and 5 wait until the motor is enabled in position control; 6 acts
 //     immediately. If stored, 4 to 6 are 0 after power-on, and 3 homes when the motor is first enabled. 0
 //     stops a homing. P05-61 sets the unit of P05-35 to 1, 10 or 100 ms. At home P0B-07 is P05-36. Er.601
-//     leaves the motor enabled. (`commands_end`, `restart_keeps`, `home_output_falls`)
+//     leaves the motor enabled. (`homing_command_ends`, `restart_keeps`, `home_output_falls`)
 // 13  Emergency stops (FunIN.34, P0D-05) last as long as their cause; then a speed command is carried out
 //     again (`bus_stop`).
 // 14  Er.950 and Er.952 end with their switch. With P02-07 = 0 or 2 a limit switch releases the shaft until
@@ -121,9 +121,12 @@ struct c630s_options {
     c630s_brake brake = c630s_brake::follows_servo;
     /// What P0D-05 does.
     c630s_bus_stop bus_stop = c630s_bus_stop::lasts;
-    /// P05-30, P0D-01, P0D-20 and P02-31 read 0 once they are carried out; otherwise they keep the value, and
-    /// writing the same value again is not a command. Sections 7.2, 7.5 and 7.13 [C80].
+    /// P0D-01, P0D-20 and P02-31 read 0 once they are carried out. Otherwise they keep the value, and the same value is
+    /// no command again. Sections 7.2 and 7.13 [C80].
     bool commands_end = true;
+    /// P05-30 reads 0 once its 4, 5 or 6 is carried out. False: it keeps the value, as an ancestor of the drive keeps a
+    /// 4, and the same value is no command again. Section 7.5 [C80].
+    bool homing_command_ends = false;
     /// FunIN.28 needs a level and not an edge: a virtual input whose logic is an edge never starts the
     /// segments. Section 6.4.1 [C23].
     bool segment_start_is_level = false;
@@ -142,6 +145,9 @@ struct c630s_options {
     /// If two outputs have the same function, only the first of them shows it, DO1 to DO6 before VDO1 to
     /// VDO16. Section 6.4.2 [C78].
     bool first_output_shows = false;
+    /// A change of S-ON's terminal waits for the next power-on. False: for standstill, as the maker's worked example of
+    /// the Lichuan A5 needs it. Sections 6.4.1 and 7.16 [C15].
+    bool servo_on_waits_for_power_on = true;
     /// What a relative displacement leaves below a count of the encoder is added to the next one. Section 6.1.2 [C84].
     bool gear_keeps_rest = false;
 };

@@ -117,7 +117,7 @@ class c630s_plant {
     }
 
     c630s_options options_;
-    c630s_memory memory_{};
+    c630s_memory memory_{options_};
     c630s_inputs inputs_{};
     c630s_motor motor_{};
     c630s_alarms alarms_{};

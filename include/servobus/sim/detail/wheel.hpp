@@ -66,6 +66,7 @@ class wheel {
     constexpr void block() {
         speed_ = 0;
         current_ = 0;
+        is_on_curve_ = false;
     }
 
     /// One tick without power. `drag` multiplies the friction: 1 for a free shaft, more for shorted phases.
@@ -74,7 +75,7 @@ class wheel {
         const std::int64_t before = speed_;
         const std::int64_t loss = smaller_of(magnitude(speed_), drag * friction(speed_) / inertia);
         speed_ += speed_ > 0 ? -loss : loss;
-        is_slowing_ = false;
+        is_slowing_ = is_on_curve_ = false;
         travel(before);
     }
 
@@ -96,6 +97,25 @@ class wheel {
         feel(before);
     }
 
+    /// Follows, for a tick, a ramp that begins anew with each changed speed, at no acceleration. It lasts for its whole
+    /// time, to speed up or to slow down, whatever the change is.
+    constexpr void curve_to(std::int64_t wanted, std::uint32_t acceleration_ms,
+                            std::uint32_t deceleration_ms) {
+        const std::int64_t before = speed_;
+        const bool turns = (speed_ < 0 && wanted > 0) || (speed_ > 0 && wanted < 0);
+        const bool slows = turns || magnitude(wanted) < magnitude(speed_);
+        if (!is_on_curve_ || wanted != curve_to_) {
+            is_on_curve_ = true;
+            curve_from_ = speed_;
+            curve_to_ = wanted;
+            curve_us_ = 0;
+            curve_length_us_ = 1000 * std::int64_t{slows ? deceleration_ms : acceleration_ms};
+        }
+        curve_us_ = smaller_of(curve_us_ + tick.us, curve_length_us_ + reaction_us);
+        speed_ = curve_from_ + part_of_curve(curve_to_ - curve_from_);
+        travel(before);
+        feel(before);
+    }
     /// One tick of the way to the target. The motor accelerates to `fastest` in the acceleration time, slows
     /// down from it in the deceleration time, starts and arrives with `slowest`, and stops exactly on the
     /// target.
@@ -128,7 +148,7 @@ class wheel {
         } else {
             travel(before);
         }
-        is_slowing_ = false;
+        is_slowing_ = is_on_curve_ = false;
         feel(before);
     }
 
@@ -151,7 +171,7 @@ class wheel {
             if ((before > 0 && speed_ < 0) || (before < 0 && speed_ > 0)) speed_ = 0;
         }
         speed_ = within(speed_, fastest);
-        is_slowing_ = false;
+        is_slowing_ = is_on_curve_ = false;
         travel(before);
     }
 
@@ -165,6 +185,20 @@ class wheel {
 
     static constexpr std::int64_t step_of(std::int64_t change, std::uint32_t time_ms) {
         return time_ms == 0 ? change : change * tick.us / (1000 * std::int64_t{time_ms});
+    }
+
+    // From a changed speed to its first effect.
+    static constexpr std::int64_t reaction_us = 2000;
+
+    // 10 x^3 - 15 x^4 + 6 x^5: neither speed nor acceleration jumps at its ends.
+    constexpr std::int64_t part_of_curve(std::int64_t change) const {
+        constexpr std::int64_t one = std::int64_t{1} << 20;
+        const std::int64_t gone = larger_of(0, curve_us_ - reaction_us);
+        if (gone >= curve_length_us_) return change;
+        const std::int64_t x = gone * one / curve_length_us_;
+        const std::int64_t cube = x * x / one * x / one;
+        const std::int64_t part = cube * (10 * one - 15 * x + 6 * (x * x / one)) / one;
+        return change / one * part + change % one * part / one;
     }
 
     // Carries the remainder to the next tick, so that a ramp takes exactly its time.
@@ -235,6 +269,11 @@ class wheel {
     std::int64_t counts_per_turn_ = 4096;
     std::int64_t slowing_from_ = 0;
     std::int64_t carried_ = 0;
+    std::int64_t curve_from_ = 0;
+    std::int64_t curve_to_ = 0;
+    std::int64_t curve_us_ = 0; // since its change
+    std::int64_t curve_length_us_ = 0;
+    bool is_on_curve_ = false;
     bool is_slowing_ = false;
     bool is_moving_to_target_ = false;
 };

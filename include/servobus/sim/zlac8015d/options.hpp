@@ -74,6 +74,37 @@ struct zlac8015d_options {
     /// output is off" [B29]. Code 0 does the opposite.
     enum class brake : std::uint8_t { engages, releases };
     brake code_1 = brake::engages;
+
+    /// The shaft's two bits of 20A2h of a motor without power, after power-on and after 07h [B30]. A ZLAC8030D
+    /// showed the emergency stop after 07h. A shaft that 2007h = 1 locks at power-on shows that.
+    enum class idle : std::uint8_t { released, emergency };
+    idle idle_shaft = idle::released;
+
+    /// 20ABh and 20ACh show the speed in the position modes too [B31]. False: they read 0 there.
+    bool shows_speed_of_moves = true;
+
+    /// The starts 10h, 11h and 12h that a drive carries out, section 3.2 and 200Fh [B25]. The maker's quick start
+    /// guide starts both wheels by 10h and never writes 200Fh.
+    enum class start : std::uint8_t {
+        any,     ///< each, whatever 200Fh is
+        by_200F, ///< 10h if 200Fh is 1, 11h and 12h if it is 0
+    };
+    start position_start = start::any;
+
+    /// 08h before a mode is set, section 3.1: programs that ran on drives send it first [B35]. False: it is ignored.
+    /// True: it enables the drive, which obeys the mode that is set then.
+    bool enables_without_mode = false;
+
+    /// The ramps of 2080h to 2083h to a speed [B36].
+    enum class ramp : std::uint8_t {
+        linear,      ///< the acceleration time from 0 to the target, the deceleration time from there to 0
+        begins_anew, ///< S-shaped, over the whole time, anew with each changed target: as 754 samples of a drive
+    };
+    ramp speed_ramp = ramp::linear;
+
+    /// 2012h, 2013h and 2014h take the printed codes alone, section 4 [B14]. False: any word. A program for a
+    /// ZLAC8030D writes a time into 2014h.
+    bool checks_option_codes = true;
 };
 
 } // namespace servobus::sim

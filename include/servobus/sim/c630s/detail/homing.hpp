@@ -215,7 +215,7 @@ class c630s_homing : protected c630s_positioning {
                set == coolmay::homing::set_home;
     }
     constexpr void end_command() {
-        if (options_.commands_end && is_command(memory_.get(coolmay::homing_control)))
+        if (options_.homing_command_ends && is_command(memory_.get(coolmay::homing_control)))
             memory_.set(coolmay::homing_control.address, 0);
     }
 

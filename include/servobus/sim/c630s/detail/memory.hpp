@@ -14,6 +14,7 @@
 #include <servobus/core/bytes.hpp>
 #include <servobus/device/c630s/catalogue.hpp>
 #include <servobus/modbus/pdu.hpp>
+#include <servobus/sim/c630s/options.hpp>
 
 namespace servobus::sim {
 
@@ -32,6 +33,9 @@ class c630s_memory {
   public:
     static constexpr std::span<const entry> rows = coolmay::catalogue.entries;
     static constexpr std::size_t log_size = 64;
+
+    constexpr explicit c630s_memory(const c630s_options& chosen)
+        : servo_on_waits_{chosen.servo_on_waits_for_power_on} {}
 
     static constexpr bool covers(std::uint16_t address) { return slot(address) != none; }
 
@@ -254,7 +258,7 @@ class c630s_memory {
         switch (e.address) {
         case coolmay::pulse_command_form.address: return value != 3;
         case coolmay::homing_control.address: return value != 7;
-        case coolmay::auxiliary_speed_source.address: return value != 3 && value != 4;
+        case coolmay::auxiliary_speed_source.address: return value != 4;
         default: return true;
         }
     }
@@ -265,7 +269,7 @@ class c630s_memory {
         const bool is_di = address >= coolmay::di1_function.address && address <= coolmay::di8_logic.address;
         const bool is_vdi = address >= coolmay::virtual_input_functions[0].address &&
                             address <= coolmay::virtual_input_logics[15].address;
-        if (!is_di && !is_vdi) return false;
+        if (!servo_on_waits_ || (!is_di && !is_vdi)) return false;
         const std::size_t function = address % 2 == 0 ? n : n - 1; // the logic is the row after its function
         constexpr auto servo_on = static_cast<u32>(coolmay::input_function::servo_on);
         return in_force_[function] == servo_on || shown_[function] == servo_on;
@@ -292,6 +296,7 @@ class c630s_memory {
     std::uint32_t eeprom_writes_ = 0;
     std::uint32_t changes_ = 0;
     bool waits_for_stop_ = false;
+    bool servo_on_waits_;
 };
 
 } // namespace detail

@@ -26,7 +26,8 @@ class zlac8015d_axis {
         : number_{number}, engaging_code_{chosen.code_1 == zlac8015d_options::brake::engages
                                               ? std::uint16_t{1}
                                               : std::uint16_t{0}},
-          keeps_code_{chosen.code == zlac8015d_options::fault_code::until_restart} {}
+          keeps_code_{chosen.code == zlac8015d_options::fault_code::until_restart},
+          has_curves_{chosen.speed_ramp == zlac8015d_options::ramp::begins_anew} {}
 
     constexpr const wheel& motor() const { return motor_; }
     constexpr std::uint16_t faults() const { return latched_; }
@@ -95,16 +96,16 @@ class zlac8015d_axis {
     }
     /// A stop (07h): by the deceleration time.
     constexpr void slow_down(const memory& m) {
-        if (!begin(m)) motor_.ramp_to(0, 0, word_at(m, zlac::left_deceleration_time.address));
+        if (!begin(m)) ramp_to(0, 0, word_at(m, zlac::left_deceleration_time.address));
     }
     /// A quick stop: by the option of 2011h.
     constexpr void stop_quickly(const memory& m) {
         if (begin(m)) return;
         switch (static_cast<zlac::quick_stop_option>(m[zlac::quick_stop_option_code.address])) {
-        case zlac::quick_stop_option::immediate: return motor_.ramp_to(0, 0, 0);
+        case zlac::quick_stop_option::immediate: return ramp_to(0, 0, 0);
         case zlac::quick_stop_option::fast_deceleration:
-            return motor_.ramp_to(0, 0, word_at(m, zlac::left_quick_stop_time.address));
-        default: return motor_.ramp_to(0, 0, word_at(m, zlac::left_deceleration_time.address));
+            return ramp_to(0, 0, word_at(m, zlac::left_quick_stop_time.address));
+        default: return ramp_to(0, 0, word_at(m, zlac::left_deceleration_time.address));
         }
     }
     constexpr void operate(const memory& m) {
@@ -113,14 +114,13 @@ class zlac8015d_axis {
         const std::uint16_t deceleration = word_at(m, zlac::left_deceleration_time.address);
         const std::int64_t fastest = wheel::r_per_min * m[zlac::max_motor_speed.address];
         switch (mode(m)) {
-        case zlac::operating_mode::velocity:
-            return motor_.ramp_to(commanded_speed(m), acceleration, deceleration);
+        case zlac::operating_mode::velocity: return ramp_to(commanded_speed(m), acceleration, deceleration);
         case zlac::operating_mode::torque:
             return motor_.push(std::int64_t{1000} * signed_word(m, zlac::left_target_torque.address),
                                word_at(m, zlac::left_torque_slope.address), fastest);
         default: break;
         }
-        if (!motor_.is_moving_to_target()) return motor_.ramp_to(0, acceleration, deceleration);
+        if (!motor_.is_moving_to_target()) return ramp_to(0, acceleration, deceleration);
         motor_.approach_target(
             smaller_of(fastest, wheel::r_per_min * word_at(m, zlac::left_max_speed.address)),
             wheel::r_per_min * motor_word(m, zlac::left_position_start_speed.address), acceleration,
@@ -146,6 +146,13 @@ class zlac8015d_axis {
     }
 
   private:
+    constexpr void ramp_to(std::int64_t wanted, std::uint32_t acceleration_ms,
+                           std::uint32_t deceleration_ms) {
+        if (has_curves_)
+            motor_.curve_to(wanted, acceleration_ms, deceleration_ms);
+        else
+            motor_.ramp_to(wanted, acceleration_ms, deceleration_ms);
+    }
     static constexpr std::uint16_t bits_of(zlac::fault f) { return static_cast<std::uint16_t>(f); }
     static constexpr std::int32_t low_bits(std::int64_t v) {
         return static_cast<std::int32_t>(static_cast<std::uint32_t>(static_cast<std::uint64_t>(v)));
@@ -211,6 +218,7 @@ class zlac8015d_axis {
     std::uint16_t latched_ = 0;
     std::uint16_t code_ = 0; // the latest, kept after a reset
     bool keeps_code_;
+    bool has_curves_;
 };
 
 } // namespace servobus::sim::detail

@@ -104,9 +104,8 @@ class zlac8015d_core {
 
     constexpr void enable() {
         look_for_faults();
-        if (state_ == state::operating || mode() == operating_mode::undefined || has_fault() ||
-            is_input_active())
-            return;
+        const bool has_mode = mode() != operating_mode::undefined || options_.enables_without_mode;
+        if (state_ == state::operating || !has_mode || has_fault() || is_input_active()) return;
         drop_moves();
         cut_power();
         is_locked_ = false;
@@ -134,9 +133,9 @@ class zlac8015d_core {
     constexpr void start(bool left, bool right, std::uint16_t synchronisation) {
         const bool is_positioning =
             mode() == operating_mode::relative_position || mode() == operating_mode::absolute_position;
-        if (state_ != state::operating || !is_positioning ||
-            memory_[zlac::position_synchronisation.address] != synchronisation)
-            return;
+        const bool fits = options_.position_start == options_type::start::any ||
+                          memory_[zlac::position_synchronisation.address] == synchronisation;
+        if (state_ != state::operating || !is_positioning || !fits) return;
         const bool left_starts = left && left_.faults() == 0 && left_.start(memory_);
         const bool right_starts = right && right_.faults() == 0 && right_.start(memory_);
         if (left_starts || right_starts) ++starts_;
@@ -221,7 +220,7 @@ class zlac8015d_core {
     }
 
     zlac8015d_options options_;
-    memory memory_{options_.save};
+    memory memory_{options_};
     axis left_{0, options_};
     axis right_{1, options_};
     std::int64_t since_request_ = 0; // us since the last request

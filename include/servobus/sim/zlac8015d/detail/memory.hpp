@@ -18,9 +18,10 @@ namespace servobus::sim::detail {
 
 class zlac8015d_memory : public register_memory<0x2000, 0xB1> { // 2000h .. 20B0h
   public:
-    constexpr explicit zlac8015d_memory(zlac8015d_options::kept by_save)
-        : register_memory{index}, is_kept_{by_save == zlac8015d_options::kept::all ? &can_be_written
-                                                                                   : &is_marked} {}
+    constexpr explicit zlac8015d_memory(const zlac8015d_options& chosen)
+        : register_memory{index}, is_kept_{chosen.save == zlac8015d_options::kept::all ? &can_be_written
+                                                                                       : &is_marked},
+          checks_option_codes_{chosen.checks_option_codes} {}
 
     static constexpr bool covers(std::uint16_t address) { return index.covers(address); }
 
@@ -33,7 +34,7 @@ class zlac8015d_memory : public register_memory<0x2000, 0xB1> { // 2000h .. 20B0
     }
 
     /// The exception of a write; 0 if it is allowed. Addresses are checked before values.
-    static constexpr std::uint8_t refuse_write(std::uint16_t address, words_view from) {
+    constexpr std::uint8_t refuse_write(std::uint16_t address, words_view from) const {
         for (std::size_t i = 0; i < from.size(); ++i) {
             const auto at = static_cast<std::uint16_t>(address + i);
             if (!covers(at) || index.row(at).rights == access::ro) return illegal_address;
@@ -78,10 +79,14 @@ class zlac8015d_memory : public register_memory<0x2000, 0xB1> { // 2000h .. 20B0
     static constexpr bool is_marked(const entry& e) { return has(e.flags, saved); }
     static constexpr bool can_be_written(const entry& e) { return e.rights != access::ro; }
 
+    static constexpr bool is_option_code(std::uint16_t address) {
+        return address >= 0x2012 && address <= 0x2014;
+    }
     static constexpr bool is_state(std::uint16_t address) { return address == 0x200D || address == 0x200E; }
 
     // The control word is the only register whose codes have holes in their range.
-    static constexpr bool accepts(const entry& e, std::uint32_t bits) {
+    constexpr bool accepts(const entry& e, std::uint32_t bits) const {
+        if (!checks_option_codes_ && is_option_code(e.address)) return true;
         if (!e.limits.contains(e.number(bits))) return false;
         if (e.address != servobus::zlac8015d::control_word.address) return true;
         for (const named_value& v : e.values) {
@@ -91,6 +96,7 @@ class zlac8015d_memory : public register_memory<0x2000, 0xB1> { // 2000h .. 20B0
     }
 
     choice is_kept_;
+    bool checks_option_codes_;
 };
 
 } // namespace servobus::sim::detail
