@@ -106,9 +106,8 @@ template <class Model, class Exchange> class drive_machine : public detail::comm
         if (is_echo_possible) run().note_possible_echo();
         this->settle(now);
         // The image that a stop or a change of settings has read is judged when that has ended.
-        if (known_.last_frame() != flight::refresh || !known_.polling().image().has_words) return;
-        const bool was_enabled = known_.is_enabled();
-        react(judged(known_.image()), was_enabled, now);
+        if (known_.last_frame() == flight::refresh && known_.polling().image().has_words)
+            react(judged(known_.image()), now);
     }
 
   private:
@@ -174,21 +173,19 @@ template <class Model, class Exchange> class drive_machine : public detail::comm
         std::uint16_t words[image_block<Model>.words]; // NOLINT: all are filled
         for (std::size_t i = 0; i < image_block<Model>.words; ++i) words[i] = read[i];
         const bool is_fall = !is_verified && known_.has_fallen(words);
-        const drive_state before = known_.cached().state;
         verdict found = judged(words);
         if (is_fall && found != verdict::disabled) found = verdict::uncertain;
-        if (found == verdict::uncertain || found == verdict::held) {
-            if (!is_verified && may_ask_witness(before)) {
+        if (found == verdict::uncertain) {
+            if (!is_verified && may_ask_witness()) {
                 known_.held().hold_image(this->response_, exchange_.response());
                 return known_.link().require_check();
             }
             if (is_fall) known_.note_origin();
-            // A restart shows nowhere else.
-            if (found == verdict::uncertain && (is_verified || is_fall)) found = verdict::as_expected;
+            if (is_verified || is_fall) found = verdict::as_expected; // a restart shows nowhere else
         }
         known_.take_image(words, now);
         known_.set_last_frame(flight::refresh);
-        react(found, before == drive_state::enabled, now);
+        react(found, now);
         known_.note_image(is_origin_open());
         known_.take_held_block(this->response_);
         run().use_image(known_.image(), image_block<Model>, now);
@@ -198,15 +195,6 @@ template <class Model, class Exchange> class drive_machine : public detail::comm
     constexpr bool is_origin_open() const { return slot_.is_setting_origin() || slot_.is_stopping(); }
     // During a take-over nothing raises a suspicion: positions count from a new origin, and an image is not judged
     // while settings change.
-    // The state is the one before until the witness was read; then the image is judged once more.
-    constexpr bool may_ask_witness(drive_state before) {
-        drive_state& state = known_.cached().state;
-        const drive_state judged = state;
-        state = before;
-        if (may_ask_witness()) return true;
-        state = judged;
-        return false;
-    }
     constexpr bool may_ask_witness() const {
         if constexpr (polls::has_watchdog) // its witness takes little code
             return known_.is_known() && known_.witness(slot_.command()).look != nullptr;
@@ -289,7 +277,7 @@ template <class Model, class Exchange> class drive_machine : public detail::comm
         return known_.is_known() && !slot_.is_changing() ? known_.model().judge(words, known_.cached())
                                                          : verdict::as_expected;
     }
-    constexpr void react(verdict found, bool was_enabled, instant now) {
+    constexpr void react(verdict found, instant now) {
         switch (found) {
         case verdict::as_expected: break;
         case verdict::uncertain: known_.link().require_check(); break;
@@ -303,8 +291,7 @@ template <class Model, class Exchange> class drive_machine : public detail::comm
             }
             break;
         case verdict::tripped:
-            if (was_enabled) known_.set_cause(stop_cause::fault);
-            known_.note_cause(stop_cause::fault);
+            known_.set_cause(stop_cause::fault);
             slot_.end_unless_reading(errc::faulted);
             break;
         case verdict::faulted:

@@ -50,8 +50,7 @@ template <class Model, class Line> class drive_view {
     constexpr drive_state state() const { return machine_.known().state(); }
     /// Returns the settings as far as they are known now.
     constexpr settings cached() const { return machine_.known().cached(); }
-    /// Why the drive stopped following its last motion command; `unknown` while it follows. The first cause counts;
-    /// only a fault of an enabled drive replaces it.
+    /// Why the drive stopped following its last motion command; `unknown` while it follows.
     constexpr stop_cause cause() const { return machine_.known().cause(); }
     /// The drive does not respond. One with a watchdog has not for its time; any other has not to three refreshes in a
     /// row, and is then read once a second, on a bus once in the retry period of its plan.

@@ -42,9 +42,8 @@ inline void a_step_compares_16_bits_of_registers_of_one_word() {}
 
 constexpr void check_slot(const step& s) {
     if (s.what == step::kind::write && s.count > max_arguments) a_step_writes_at_most_6_words();
-    if (s.what == step::kind::fetch || s.what == step::kind::until) {
-        if (s.slot != step::constant && s.slot + s.count > max_words)
-            a_step_fetches_into_the_routine_s_16_words();
+    if (s.what == step::kind::fetch) {
+        if (s.slot + s.count > max_words) a_step_fetches_into_the_routine_s_16_words();
     } else if (s.slot < step::pair && s.slot + s.count > max_arguments) {
         a_step_takes_its_words_from_the_6_arguments();
     }
@@ -250,19 +249,6 @@ template <const auto&... Rs>
 consteval step until_within(std::uint16_t most, std::uint16_t limit_ms, errc otherwise = errc::not_reached) {
     step s = detail::make(step::kind::until, step::constant, Rs...);
     detail::check_single_words<Rs...>();
-    s.value = most;
-    s.is_within = true;
-    s.limit_ms = limit_ms;
-    s.otherwise = otherwise;
-    return s;
-}
-
-/// Reads registers until no word differs from the read before it by more than `most`, at most `limit_ms`: the positions
-/// of a motor at standstill. Reads are 20 ms apart. The words fill the routine's from number `slot` on.
-template <const auto&... Rs>
-consteval step until_still(std::uint16_t most, std::uint16_t limit_ms, std::uint8_t slot,
-                           errc otherwise = errc::not_reached) {
-    step s = detail::make(step::kind::until, slot, Rs...);
     s.value = most;
     s.is_within = true;
     s.limit_ms = limit_ms;

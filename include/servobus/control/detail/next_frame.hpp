@@ -35,9 +35,7 @@ constexpr flight next_frame(const knowledge<Model>& known, const command_slot<Mo
         }
         return known.is_refresh_due(now);
     };
-    // Two positions are compared over a short time, whatever the period of the feedback is.
-    const duration period = run.current().keeps() ? milliseconds(20) : polling.wait_period();
-    const bool is_too_early = run.is_waiting() && polling.waited_too_little(period, now) && !is_poll_due();
+    const bool is_too_early = run.is_waiting() && polling.waited_too_little(now) && !is_poll_due();
     if (run.reads(image_block<Model>))
         return is_too_early && !polling.is_slower_due() ? flight::none : flight::refresh;
     const flight last = known.last_frame();

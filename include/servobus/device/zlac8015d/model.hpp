@@ -62,8 +62,8 @@ class model {
         return w[image::place_of<left_faults>] != 0 || w[image::place_of<right_faults>] != 0 ||
                is_either(w[image::place_of<status_word>], shaft_state::alarm);
     }
-    /// A shaft that is free at standstill, although the drive was enabled, shows a restart. One that is driven may
-    /// read as free, and one without power as stopped in an emergency: then the mode shows it [errata B30].
+    /// A shaft that is free at standstill, although the drive was enabled, shows a restart; one that is driven
+    /// may read as free, and then the mode shows it [errata B30].
     static constexpr verdict judge(const std::uint16_t* w, settings& known) {
         if (known.state != drive_state::enabled) return verdict::as_expected;
         if (is_faulted(w, known)) {

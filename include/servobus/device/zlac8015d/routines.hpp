@@ -54,9 +54,6 @@ inline constexpr step until_standstill = steps::until_bits<status_word>(status_f
 // [errata B31]: its speed says it too. 0.1 r/min; a servo at rest trembles.
 inline constexpr std::uint16_t slowest_speed = 20;
 inline constexpr step until_slow       = steps::until_within<left_actual_speed, right_actual_speed>(slowest_speed, longest_ramp_ms);
-// In the position modes the speeds may read 0 while a wheel turns [errata B31]: its position shows it too. A servo at
-// rest trembles by two counts.
-inline constexpr step until_still      = steps::until_still<left_actual_position, right_actual_position>(2, longest_ramp_ms, 12);
 inline constexpr step until_locked     = steps::until_bits<status_word>(status_flags::shaft_bits, status_flags::both_locked, state_change_ms);
 inline constexpr step until_healthy    = steps::until_bits<left_faults, right_faults>(0xFFFF, 0, state_change_ms, errc::faulted);
 inline constexpr step enable_now       = steps::write<control_word>(control_code::enable);
@@ -78,7 +75,7 @@ inline constexpr step init[] = {
     stop_by_targets,
     stop_by_command,
     zero_torque_too,
-    until_standstill, until_slow, until_still,
+    until_standstill, until_slow,
     steps::fetch<host_timeout>(host_timeout_word),
     steps::fetch<max_motor_speed>(max_speed_word),
     steps::fetch<speed_resolution>(resolution_word),
@@ -128,7 +125,7 @@ inline constexpr step enable_absolute_position[] = {
     same_scale, same_timeout, enable_now, until_locked, still_absolute,
 };
 
-inline constexpr step disable[]    = {stop_by_command, until_standstill, until_slow, until_still};
+inline constexpr step disable[]    = {stop_by_command, until_standstill, until_slow};
 // Read back, since a late acknowledgement of the speed before it looks like the stop's own.
 inline constexpr step halt_speed[]  = {stop_by_targets, read_back_speed, until_standstill, until_slow};
 inline constexpr step halt_torque[] = {zero_torque, read_back_torque, until_standstill, until_slow};
@@ -138,17 +135,17 @@ inline constexpr step quick_stop_now   = steps::repeatable(steps::write<control_
 inline constexpr step until_emergency  = steps::until_bits<status_word>(status_flags::shaft_bits | status_flags::running_bits,
                                                                         status_flags::both_stopped_in_emergency, state_change_ms);
 // A drive that stands and does not say so, since it was restarted, is not waited for as long as a ramp.
-inline constexpr step quick_stop[] = {quick_stop_now, until_standstill, until_slow, until_still, until_emergency};
+inline constexpr step quick_stop[] = {quick_stop_now, until_standstill, until_slow, until_emergency};
 /// After silence the first frame is zero targets: whether a watchdog stop ends with it is not stated.
-inline constexpr step quick_stop_after_silence[] = {stop_by_targets, quick_stop_now, until_standstill, until_slow, until_still, until_emergency};
+inline constexpr step quick_stop_after_silence[] = {stop_by_targets, quick_stop_now, until_standstill, until_slow, until_emergency};
 
 /// A fault on either wheel: both stop.
-inline constexpr step stop_both[] = {stop_by_targets, stop_by_command, zero_torque_too, until_standstill, until_slow, until_still};
+inline constexpr step stop_both[] = {stop_by_targets, stop_by_command, zero_torque_too, until_standstill, until_slow};
 
 /// What a drive is to hear first when it may be there again: one frame that stops it in every mode, and the
 /// rest if that was answered.
 inline constexpr step stop_after_silence[] = {
-    steps::write<control_word>(control_code::stop), stop_by_targets, zero_torque_too, until_standstill, until_slow, until_still};
+    steps::write<control_word>(control_code::stop), stop_by_targets, zero_torque_too, until_standstill, until_slow};
 
 /// Section 3.5, with a stop in front, so that the drive is surely disabled afterwards.
 inline constexpr step fault_reset[] = {
@@ -217,7 +214,7 @@ inline constexpr step set_resolution[]   = {must_stand, steps::write_arguments<s
 
 /// After a move it must also be at its target; a restart may have put the positions where the move would end.
 inline constexpr step wait_standstill[] = {
-    steps::until_bits<status_word>(status_flags::running_bits, 0, step::commanded_limit), until_slow, until_still, steps::confirm(), steps::same_drive()};
+    steps::until_bits<status_word>(status_flags::running_bits, 0, step::commanded_limit), until_slow, steps::confirm(), steps::same_drive()};
 inline constexpr step wait_reached[]    = {steps::confirm(), steps::same_drive()};
 
 /// Whether the drive is still in the mode of argument 0.
