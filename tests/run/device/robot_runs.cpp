@@ -63,8 +63,9 @@ class run {
   private:
     sim::zlac8015d_options options() {
         interpretations::choice c;
-        for (const unsigned size : zlac8015d_interpretations::switches())
+        for (const unsigned size : zlac8015d_interpretations::sizes)
             c.push_back(one_in(3) ? random_.below(size) : 0);
+        c.resize(zlac8015d_interpretations::switches().size());
         return zlac8015d_interpretations::options_of(c);
     }
     supervision supervision_of() {
