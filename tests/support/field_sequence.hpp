@@ -98,8 +98,10 @@ template <class Drive> std::vector<unsigned> mismatches(Drive& drive, const std:
         frame got(260);
         const auto came = wire.receive(got);
         const std::size_t size = came ? *came : 0u;
+        got.resize(size);
+        const frame whole = got;
         got.resize(size < 2 ? 0 : size - 2);
-        if (!is_wanted(l, got)) wrong.push_back(l.number);
+        if (whole != tests::framed(got) || !is_wanted(l, got)) wrong.push_back(l.number);
     }
     return wrong;
 }

@@ -17,7 +17,7 @@
 
 namespace tool {
 
-/// What a command is asked for: words, and options with or without a value.
+/// The words of a command, and its options with or without a value.
 class arguments {
   public:
     /// The words after the command's name. Complains by itself, also about an option that `of` does not have.

@@ -24,7 +24,7 @@ namespace tool {
 using servobus::u16;
 using servobus::u32;
 
-// What a device's functions are called with. They and their callers know what these are.
+// The functions of a device get these. Only they and their callers need more than the name.
 struct simulation;
 class session;
 class probe_bench;
@@ -32,7 +32,7 @@ namespace diagnosis {
 struct examination;
 }
 
-/// Whether a drive's parameters may be changed now.
+/// The rest of a drive, in which its parameters may be changed; else what disturbs it.
 struct repose {
     servobus::status why{}; ///< why it could not be read
     std::string unrest{};   ///< what is enabled or moves; empty if nothing is

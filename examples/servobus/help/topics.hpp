@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// What help and man page say of more than one command.
+// Paragraphs of help and man page on more than one command.
 #pragma once
 
 #include <span>
@@ -9,7 +9,7 @@
 
 namespace tool {
 
-/// What a word of the command line stands for.
+/// A word of the command line, and its meaning.
 struct topic {
     std::string_view name;
     std::string_view about; ///< paragraphs, as in `command`

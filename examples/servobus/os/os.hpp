@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// What the tool needs of the operating system: its ports, its words for errors. Files are in
+// The operating system's part of the tool: its ports, its words for errors. Files are in
 // locked_file.hpp and file_target.hpp, signals in interrupts.hpp.
 #pragma once
 

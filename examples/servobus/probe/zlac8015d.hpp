@@ -55,14 +55,14 @@ class zlac8015d_probe : probe_steps {
     using control = servobus::zlac8015d::control_code;
     using shaft = servobus::zlac8015d::shaft_state;
 
-    static constexpr int slow = 5;             // r/min
-    static constexpr int turning = 2;          // r/min, from which on a wheel turns
-    static constexpr u16 watchdog = 5000;      // ms, while nothing is asked of it
-    static constexpr u16 short_watchdog = 300; // ms
-    static constexpr u16 ramp = 200;           // ms
-    static constexpr u16 long_ramp = 2000;     // ms
-    static constexpr std::int32_t way = 1000;  // counts of a move; 100 of them show that a wheel moves
-    static constexpr int most = 50;            // readings
+    static constexpr int slow = 5;                 // r/min
+    static constexpr int turning = 2;              // r/min, from which on a wheel turns
+    static constexpr u16 watchdog = 5000;          // ms, while nothing is asked of it
+    static constexpr u16 short_watchdog = 300;     // ms
+    static constexpr u16 ramp = 200;               // ms
+    static constexpr u16 long_ramp = 2000;         // ms
+    static constexpr std::int32_t distance = 1000; // counts of a move; a tenth shows that a wheel moves
+    static constexpr int most = 50;                // readings
 
     void note_old_words() {
         namespace z = servobus::zlac8015d;
@@ -183,7 +183,6 @@ class zlac8015d_probe : probe_steps {
         if (after == shaft::emergency_stop || after == shaft::locked)
             found("after_quick_stop", after == shaft::emergency_stop ? "emergency" : "locked");
         stop();
-        wait();
         const shaft idle = left().shaft;
         if (idle == shaft::emergency_stop || idle == shaft::released)
             found("idle_shaft", idle == shaft::emergency_stop ? "emergency" : "released");
@@ -262,7 +261,8 @@ class zlac8015d_probe : probe_steps {
     void option_code() {
         namespace z = servobus::zlac8015d;
         const bool is_taken = on_->write(z::halt_option_code.address, 500);
-        found("checks_option_codes", is_taken ? "no" : "yes");
+        const bool is_held = on_->read(z::halt_option_code.address) == 500;
+        if (is_taken == is_held) found("checks_option_codes", is_taken ? "no" : "yes");
         old_.put_back(z::halt_option_code.address);
     }
 
@@ -274,7 +274,9 @@ class zlac8015d_probe : probe_steps {
         command(control::enable);
         wait();
         (void)on_->write(z::mode_of_operation.address, static_cast<u16>(mode::velocity));
-        found("enables_without_mode", turns_slowly() ? "yes" : "no");
+        const bool turn = turns_slowly();
+        const bool has_mode = on_->read(z::mode_of_operation.address) == static_cast<u16>(mode::velocity);
+        if (turn || has_mode) found("enables_without_mode", turn ? "yes" : "no");
         stop();
     }
 
@@ -300,13 +302,13 @@ class zlac8015d_probe : probe_steps {
         (void)on_->write(z::left_max_speed.address, slow);
         (void)on_->write(z::right_max_speed.address, slow);
         enable(mode::relative_position);
-        (void)write_number(z::left_target_position.address, way);
-        (void)write_number(z::right_target_position.address, way);
+        (void)write_number(z::left_target_position.address, distance);
+        (void)write_number(z::right_target_position.address, distance);
         const std::int32_t left_from = read_number(z::left_actual_position.address);
         const std::int32_t right_from = read_number(z::right_actual_position.address);
         const auto has_moved = [&](u16 address, std::int32_t from) {
             const std::int32_t gone = read_number(address) - from;
-            return gone > way / 10 || gone < -way / 10;
+            return gone > distance / 10 || gone < -distance / 10;
         };
         bool shows_speed = false;
         const auto left_moves = [&] {

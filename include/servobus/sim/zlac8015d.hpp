@@ -291,10 +291,9 @@ class zlac8015d : private detail::zlac8015d_core {
     }
 
     constexpr std::uint16_t speed_word_of(const axis& a) const {
-        const bool is_positioning =
-            mode() == operating_mode::relative_position || mode() == operating_mode::absolute_position;
-        return is_positioning && !options_.shows_speed_of_moves ? std::uint16_t{0}
-                                                                : static_cast<std::uint16_t>(a.speed_word());
+        return is_positioning() && !options_.shows_speed_of_moves
+                   ? std::uint16_t{0}
+                   : static_cast<std::uint16_t>(a.speed_word());
     }
 
     constexpr zlac::axis_status status_of(const axis& a) const { return {shaft_of(a), running_bit_of(a)}; }

@@ -32,6 +32,9 @@ class zlac8015d_core {
     constexpr operating_mode mode() const {
         return static_cast<operating_mode>(memory_[zlac::mode_of_operation.address]);
     }
+    constexpr bool is_positioning() const {
+        return mode() == operating_mode::relative_position || mode() == operating_mode::absolute_position;
+    }
     constexpr bool stands_still() const { return left_.stands() && right_.stands(); }
 
   protected:
@@ -131,11 +134,9 @@ class zlac8015d_core {
     }
 
     constexpr void start(bool left, bool right, std::uint16_t synchronisation) {
-        const bool is_positioning =
-            mode() == operating_mode::relative_position || mode() == operating_mode::absolute_position;
         const bool fits = options_.position_start == options_type::start::any ||
                           memory_[zlac::position_synchronisation.address] == synchronisation;
-        if (state_ != state::operating || !is_positioning || !fits) return;
+        if (state_ != state::operating || !is_positioning() || !fits) return;
         const bool left_starts = left && left_.faults() == 0 && left_.start(memory_);
         const bool right_starts = right && right_.faults() == 0 && right_.start(memory_);
         if (left_starts || right_starts) ++starts_;
