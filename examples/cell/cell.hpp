@@ -42,13 +42,14 @@ inline constexpr poll_plan plan{
     cyclic<eye::distance>(eye_node, 100_ms),
     cyclic<eye::is_door_open>(eye_node, 100_ms)};
 
-inline constexpr take_over wheels_set_up{zlac8015d::resolution{10}, zlac8015d::watchdog{1500_ms},
-                                         zlac8015d::ramps{200_ms, 200_ms}};
+inline constexpr take_over wheels_set_up{zlac8015d::resolution{10}, zlac8015d::watchdog{1500_ms}};
 
 template <class Line> struct cell {
     explicit cell(Line& wire)
         : wheels{wire, wheels_node, robot::base, unsupervised}, lift{wire, lift_node, ::lift::screw},
-          press{wire, press_node, ::press::ram}, all{wire, wheels, lift, press} {}
+          press{wire, press_node, ::press::ram}, all{wire, wheels, lift, press} {
+        (void)wheels.set_limits(robot::limits);
+    }
 
     // Waits; lift and press move to their homes, the wheels are enabled.
     bool prepare() {

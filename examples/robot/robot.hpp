@@ -18,12 +18,16 @@ namespace z = servobus::zlac8015d;
 inline constexpr feed wheel =
     rolling(534_mm, counts_per_turn{4096}); // measured over ten turns; 4 x the encoder's lines
 inline constexpr auto base = differential::of({.left = wheel, .right = mirrored(wheel), .track = 400_mm});
-inline constexpr take_over set_up{z::resolution{10}, z::watchdog{500_ms}, z::ramps{200_ms, 200_ms}};
+inline constexpr take_over set_up{z::resolution{10}, z::watchdog{500_ms}};
+// Of a wheel over the ground. The robot shapes its setpoints by them.
+inline constexpr axis_profile limits{.top = 1200_mm_per_s, .acceleration = 600_ms, .deceleration = 400_ms};
 
 template <class Line> class robot {
   public:
     explicit robot(Line& wire)
-        : wheels_{wire, prompt(node<z::device>{1}), base, {.feedback = 20_ms, .command_timeout = 300_ms}} {}
+        : wheels_{wire, prompt(node<z::device>{1}), base, {.feedback = 20_ms, .command_timeout = 300_ms}} {
+        (void)wheels_.set_limits(limits); // within what a drive can count
+    }
 
     // In each iteration of the program's loop. A twist that is older than 200 ms counts no more.
     duration step() { return loop_.step(); }

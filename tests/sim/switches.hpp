@@ -294,7 +294,7 @@ template <> struct switches_of<servobus::sim::zlac8015d_options> {
         detail::fixed<&options::shows_speed_of_moves>("shows speed of moves"),
         detail::row<&options::position_start>("position start"),
         detail::row<&options::enables_without_mode>("enables without mode"),
-        detail::fixed<&options::speed_ramp>("speed ramp"),
+        detail::row<&options::speed_ramp>("speed ramp"),
         detail::row<&options::checks_option_codes>("checks option codes"),
     };
 };

@@ -100,7 +100,7 @@ void expect_mended(const state<Bench> (&states)[Count], const check_list& list,
             if (writes.empty()) continue;
             bool is_taken = true;
             for (const new_value& one : writes) is_taken = write(*b, one, map) && is_taken;
-            b->pass(500);
+            b->pass(600);
             const bool is_mended = is_taken && !is_found(*b, c);
             if (is_mended) mended.insert(c->why);
             CHECK((is_mended || *c->by.act != '\0'));

@@ -21,7 +21,7 @@ inline constexpr const char* zlac_off[] = {"both_wheels", "its_wheel"};
 inline constexpr const char* zlac_brake[] = {"engages", "releases"};
 inline constexpr const char* zlac_idle[] = {"released", "emergency"};
 inline constexpr const char* zlac_start[] = {"any", "by_200F"};
-inline constexpr const char* zlac_ramp[] = {"linear", "begins_anew"};
+inline constexpr const char* zlac_ramp[] = {"begins_anew", "linear"};
 } // namespace detail
 
 using zlac_options = servobus::sim::zlac8015d_options;

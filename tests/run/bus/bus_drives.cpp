@@ -67,6 +67,7 @@ TEST_CASE("G20: a blocking command of a bus is a sign of life for its own drive,
     REQUIRE(all.run(wheels, zlac8015d::enable{}));
     REQUIRE(all.run(wheels, zlac8015d::velocity{50 * r_per_min, 50 * r_per_min}));
     SUBCASE("a wait for the wheels, which turn on for all of it") {
+        loop(all, m.wire, 100); // they have begun to turn
         CHECK(all.run(wheels, zlac8015d::wait_standstill{}).error() == errc::not_reached);
         CHECK_FALSE(m.wheels_model.stands_still());
         loop(all, m.wire, 1500);

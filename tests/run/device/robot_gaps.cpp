@@ -384,15 +384,18 @@ struct told_model {
         return m.has_fallen({.block = 0, .words = now.words, .before = before.words, .between = 20_ms},
                             known);
     }
-    /// A twist that the drive acknowledges, or refuses.
+    /// A twist whose setpoints the drive acknowledges until it is reached, or refuses.
     void drive(const twist& by, bool is_refused = false) {
-        zlac8015d::prepared_command c = zlac8015d::detail::twist_of{base, by}.plan(known);
-        REQUIRE(c.refusal == errc::ok);
-        REQUIRE(m.admit(c, {}) == errc::ok);
-        duration watchdog{};
-        response_limits limits{};
-        const routine_status how{status::sent(is_refused ? errc::exception : errc::ok)};
-        (void)m.learn(c, {!is_refused, c.steps, how, {}, watchdog, limits}, known);
+        std::uint32_t begun = us;
+        do {
+            zlac8015d::robot_command c = m.plan(by, instant{begun += 20'000}, known);
+            REQUIRE(c.refusal == errc::ok);
+            REQUIRE(m.admit(c, {}) == errc::ok);
+            duration watchdog{};
+            response_limits limits{};
+            const routine_status how{status::sent(is_refused ? errc::exception : errc::ok)};
+            (void)m.learn(c, {!is_refused, c.steps, how, {}, watchdog, limits}, known);
+        } while (m.is_changing());
     }
 };
 
@@ -416,8 +419,38 @@ TEST_CASE("G39: a robot at its origin that is to move may have restarted, howeve
     }
     t.drive({});
     CHECK(t.has_fallen({2, -2}, {0, 0}));
-    t.note({2, -2});
+    t.note({2, -2}, 250_ms);
     CHECK_FALSE(t.has_fallen({2, -2}, {0, 0}));
+}
+
+TEST_CASE("G43: a response that is late by up to 250 ms shows where the robot stood, and is not taken for "
+          "where it is") {
+    told_model t;
+    t.note({1000, -1000});
+    t.note({1000, -1000});
+    const instant stood = t.m.pose().time;
+    t.drive({400_mm_per_s, 0_rad_per_s}); // 45 r/min
+    t.note({1040, -1040, 400, -400});
+    const plane_pose moved = t.m.pose();
+    CHECK(since(stood, moved.time) == 20_ms);
+    t.note({1000, -1000}); // of before the command, or of a robot that went back and stands again
+    CHECK(t.m.pose().time == moved.time);
+    CHECK(t.m.pose().x_fine == moved.x_fine);
+    CHECK(t.m.pose().is_continuous);
+    t.note({1160, -1160, 449, -449});
+    CHECK(t.m.pose().is_continuous);
+    CHECK(since(moved.time, t.m.pose().time) == 40_ms);
+    CHECK(t.m.pose().x_mm() == 21_mm); // 160 counts of 534 mm / 4096
+    told_model held;                   // by a brake, perhaps: the pose is true at its time
+    held.note({1000, -1000});
+    held.note({1000, -1000});
+    const instant last = held.m.pose().time;
+    held.drive({400_mm_per_s, 0_rad_per_s});
+    for (int i = 0; i < 11; ++i) held.note({1000, -1000});
+    CHECK(held.m.pose().time == last);
+    held.note({1000, -1000}, 50_ms);
+    CHECK(since(last, held.m.pose().time) > 250_ms);
+    CHECK(held.m.pose().is_continuous);
 }
 
 TEST_CASE("G43: a twist that the drive has refused is a new one when it comes again") {
@@ -435,25 +468,30 @@ TEST_CASE("G43: a twist that the drive has refused is a new one when it comes ag
     }
 }
 
-TEST_CASE("G43: an acceleration counts in steps of 100 r/min in a second, of which the last is whole") {
-    const auto kept = [](zlac8015d::speed in_a_second) {
+TEST_CASE("G43: lower limits keep the pose over longer gaps; the larger of both counts") {
+    struct times {
+        std::int32_t faster, slower; // ms to and from 712 mm/s, 80 r/min
+    };
+    const auto kept = [](const times& in) {
         unsigned n = 0;
         for (std::uint32_t gap = 60; gap <= 240; gap += 5) {
             rig r{true, milliseconds(gap)};
-            r.robot.set_acceleration(in_a_second);
-            r.go({700_mm_per_s, 0_rad_per_s}, 3 * gap);
+            REQUIRE(r.robot.set_limits({.top = 712_mm_per_s,
+                                        .acceleration = in.faster * units::millisecond,
+                                        .deceleration = in.slower * units::millisecond}) == errc::ok);
+            r.go({690_mm_per_s, 0_rad_per_s}, 8000 + 3 * gap);
             r.robot.set_pose(r.robot.pose());
-            (void)r.robot.begin(twist{701_mm_per_s, 0_rad_per_s});
+            (void)r.robot.begin(twist{691_mm_per_s, 0_rad_per_s});
             r.live(milliseconds(2 * gap));
             n += r.robot.pose().is_continuous;
         }
         return n;
     };
-    const unsigned least = kept(zlac8015d::speed{100 * units::r_per_min});
-    CHECK(least > kept(zlac8015d::speed{101 * units::r_per_min}));
-    CHECK(kept(zlac8015d::speed{101 * units::r_per_min}) == kept(zlac8015d::speed{200 * units::r_per_min}));
-    CHECK(kept(zlac8015d::speed{}) == least);
-    CHECK(kept(zlac8015d::speed{200 * units::r_per_min}) > kept(zlac8015d::speed{500 * units::r_per_min}));
+    const unsigned least = kept({8000, 8000}); // 10 r/min in a second
+    CHECK(least > kept({400, 8000}));
+    CHECK(kept({8000, 200}) == kept({200, 200}));
+    CHECK(kept({200, 8000}) == kept({200, 200}));
+    CHECK(kept({400, 400}) > kept({160, 160}));
 }
 
 } // namespace robot_gaps_tests

@@ -117,6 +117,7 @@ TEST_CASE("G20, G40: a program that hangs after `begin` is stopped at the latest
 TEST_CASE("G20, G40: a command that the timeout cuts has an error of its own") {
     wheels_bench b{milliseconds(200)};
     REQUIRE(b.drive.run(turning));
+    for (const std::uint64_t end = b.wire.time_us() + 60'000; b.wire.time_us() < end;) b.step(); // it turns
     REQUIRE(b.drive.begin(z::wait_standstill{}) == errc::ok); // it does not come
     while (!b.drive.is_idle()) b.step();
     CHECK(b.drive.last().error() == errc::command_timeout);

@@ -23,7 +23,7 @@ using namespace zlac8015d_bench;
 // Velocity
 
 TEST_CASE("B36: a linear ramp takes its time from 0, and ends at the target") {
-    bench b;
+    bench b{{.speed_ramp = sim::zlac8015d_options::ramp::linear}};
     CHECK(b.write(0x2080, {1000, 500, 250, 2000}) == 0);
     b.begin(operating_mode::velocity);
     CHECK(b.write(0x2088, {100, -60}) == 0);

@@ -61,7 +61,7 @@ TEST_CASE("S3: the mode changes only while both wheels are at standstill") {
 
 TEST_CASE("a stop slows the wheels down and then releases the shafts, or releases them immediately") {
     for (const bool ramps : {true, false}) {
-        bench b;
+        bench b{{.speed_ramp = sim::zlac8015d_options::ramp::linear}};
         b.set(map::disable_option_code, ramps ? 1 : 0);
         b.begin(operating_mode::velocity);
         CHECK(b.write(0x2088, {100, -100}) == 0);

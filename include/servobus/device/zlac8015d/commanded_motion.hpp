@@ -26,6 +26,11 @@ class commanded_motion {
     /// True if the drive may have had a target other than zero since the last feedback.
     constexpr bool could_move() const { return could_move_; }
 
+    /// True for a read or a wait.
+    static constexpr bool is_without_motion(const prepared_command& c) {
+        return c.then == effect::seen || c.then == effect::arrived;
+    }
+
     constexpr void begin(const prepared_command& c) {
         note(c, c.steps);
         may_move_ = may_move_ || moves(c, c.steps);
@@ -46,9 +51,6 @@ class commanded_motion {
     }
 
   private:
-    static constexpr bool is_without_motion(const prepared_command& c) {
-        return c.then == effect::seen || c.then == effect::arrived;
-    }
     static constexpr bool is_twist(const prepared_command& c, routine steps) {
         return c.then == effect::motion && steps.data() == routine{routines::velocity}.data();
     }

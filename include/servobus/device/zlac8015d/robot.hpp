@@ -15,16 +15,30 @@
 
 #include <servobus/axis/differential.hpp>
 #include <servobus/axis/odometry.hpp>
+#include <servobus/control/axis_commands.hpp>
 #include <servobus/device/zlac8015d/commanded_motion.hpp>
 #include <servobus/device/zlac8015d/counted_model.hpp>
 #include <servobus/device/zlac8015d/drive.hpp>
+#include <servobus/device/zlac8015d/shaped_speeds.hpp>
 #include <servobus/device/zlac8015d/wheel_step.hpp>
 
 namespace servobus::zlac8015d {
 
+/// A prepared command of a robot: the drive's own, and the setpoint that a twist has become.
+struct robot_command : prepared_command {
+    constexpr robot_command(const prepared_command& c)
+        : prepared_command{c} {} // NOLINT: implicit, as every other command
+    constexpr explicit robot_command(const routine& table) : prepared_command{.steps = table} {}
+
+    shaped_setpoint setpoint{};
+    bool is_twist = false;
+};
+
 /// The model of a drive whose wheels carry a robot: each feedback counts once.
 class robot_model : public counted_model {
   public:
+    using prepared_command = robot_command;
+
     /// `on` must outlive the model.
     constexpr void set_base(const differential& on) {
         base_ = &on;
@@ -37,18 +51,53 @@ class robot_model : public counted_model {
     constexpr std::uint16_t epoch() const { return epoch_; }
     constexpr void set_pose(const plane_pose& to) { odometry_.set(to); }
 
-    /// The greatest change of a wheel's speed, in 0.1 r/min of its motor in a millisecond.
-    constexpr void set_acceleration(std::uint8_t tenths) { acceleration_ = tenths; }
+    /// The greatest changes of a wheel's speed in a second, and the fastest speed, all in 0.1 r/min of its motor.
+    /// `stop_ms`: the time in which the drive stops the wheels without the program.
+    constexpr void set_limits(std::uint16_t acceleration, std::uint16_t deceleration, std::uint16_t top,
+                              std::uint16_t stop_ms) {
+        shaped_.set_limits(acceleration, deceleration);
+        const std::uint16_t more = acceleration > deceleration ? acceleration : deceleration;
+        acceleration_ = static_cast<std::uint8_t>((more + 999u) / 1000u);
+        top_ = top;
+        stop_ms_ = stop_ms;
+    }
+    /// The setpoint that is begun now on the way to a twist, as a command in velocity mode.
+    constexpr prepared_command plan(const twist& wanted, instant now, const cached_settings& cached) const {
+        const wheel_speeds both = base_->wheels(wanted, cached.resolution, limit_in(cached));
+        const measured_speeds seen{last_.left.speed, last_.right.speed};
+        prepared_command c{routines::velocity};
+        c.setpoint = shaped_.towards(both, seen, cached.resolution, now);
+        c.is_twist = true;
+        c.arguments = {c.setpoint.left_word(), c.setpoint.right_word()};
+        c.then = effect::motion;
+        c.refusal = zlac8015d::detail::needs(cached, operating_mode::velocity);
+        return c;
+    }
+    /// True while the last twist is not reached.
+    constexpr bool is_changing() const { return shaped_.is_changing(); }
 
     constexpr void note(const block_feedback& r, const settings& known) {
         if (known.state == drive_state::needs_init) return; // counts from elsewhere after it
         const both_wheels now = wheels_in(r.words);
-        const bool is_known = r.epoch == epoch_ && is_path_known(now, since(odometry_.pose().time, r.taken));
+        const duration took = since(taken_, r.taken);
+        if (r.epoch == epoch_ && may_be_late(now, r.taken)) {
+            if (!is_still(last_, now, took)) return;
+            last_ = now;
+            taken_ = r.taken;
+            return;
+        }
+        const bool is_known = r.epoch == epoch_ && is_path_known(steps_between(last_, now, took));
         if (!is_known) odometry_.restart(now.left.position, now.right.position);
         odometry_.expect_arc(r.taken);
         (void)odometry_.update(now.left.position, now.right.position, r.taken);
+        if (!is_known || is_still(last_, now, took)) {
+            stood_ = now;
+            stood_at_ = r.taken;
+        }
+        taken_ = r.taken;
         epoch_ = r.epoch;
         last_ = now;
+        step_ = {};
         commanded_.note_feedback();
     }
     /// True also where both wheels may have been at zero, where a restart puts them, and the robot may have moved.
@@ -60,21 +109,46 @@ class robot_model : public counted_model {
         return commanded_.could_move() || !by.left.is_at_rest() || !by.right.is_at_rest();
     }
     /// The mode, from the first enable on: a drive that is disabled keeps it, and a restart loses it.
-    static constexpr steps::recheck witness(const settings& known, const prepared_command& under_way) {
+    static constexpr steps::recheck witness(const settings& known,
+                                            const zlac8015d::prepared_command& under_way) {
         const bool has_mode =
             known.state != drive_state::needs_init && known.mode != operating_mode::undefined;
         return {.look = has_mode && !changes_mode(under_way) ? routines::same_mode : nullptr,
                 .words = {static_cast<std::uint16_t>(known.mode)}};
     }
+    static constexpr prepared_command stop_for(stop_priority priority, const settings& known, bool is_first) {
+        return model::stop_for(priority, known, is_first);
+    }
     constexpr errc admit(const prepared_command& c, duration lost) {
         commanded_.begin(c);
+        if (c.is_twist) {
+            shaped_.begin(c.setpoint);
+            note_step(c);
+        } else if (!commanded_motion::is_without_motion(c)) {
+            shaped_.forget();
+        }
         return counted_model::admit(c, lost);
     }
     constexpr errc learn(prepared_command& c, const ending& e, settings& known) {
         commanded_.end(c, e);
+        if (!commanded_motion::is_without_motion(c) && !(c.is_twist && e.is_done)) shaped_.forget();
+        if (c.is_twist) note_step(c);
+        c.is_twist = false; // what follows is none
         if (is_save(e.steps)) known.mode = operating_mode::undefined;
+        if (e.steps.data() == routine{routines::shaped_ramps}.data()) {
+            if (e.is_done) known.state = drive_state::disabled;
+            return errc::ok;
+        }
         const axle& on = base_->base();
-        return learn_counts(c, e, known, on.left().counts_of_motor_turn(), on.right().counts_of_motor_turn());
+        const errc found =
+            learn_counts(c, e, known, on.left().counts_of_motor_turn(), on.right().counts_of_motor_turn());
+        const bool is_counted = e.is_done && e.steps.data() == routine{routines::encoder_lines}.data();
+        if (!is_counted || found != errc::ok) return found;
+        known.state = drive_state::needs_init; // until the ramps are written
+        c.steps = routines::shaped_ramps;
+        c.then = effect::initialised;
+        c.arguments = {shaped_ramp_ms, shaped_ramp_ms, shaped_ramp_ms, shaped_ramp_ms, stop_ms_, stop_ms_};
+        return errc::ok;
     }
 
   private:
@@ -101,13 +175,12 @@ class robot_model : public counted_model {
         const std::uint32_t right = base_->base().right().counts_of_motor_turn();
         return {{from.left, to.left, took, left},
                 {from.right, to.right, took, right},
-                wheel_step::swing(acceleration_, took, left),
-                wheel_step::swing(acceleration_, took, right)};
+                wheel_step::swing(acceleration_, took, left, step_),
+                wheel_step::swing(acceleration_, took, right, step_)};
     }
     // True if both wheels have moved as their speeds allow, and the path is near an arc. A new command lets each wheel
     // swing; without one its speed only goes from that of the last feedback to that of this one.
-    constexpr bool is_path_known(const both_wheels& now, duration took) const {
-        const both_steps by = steps_between(last_, now, took);
+    constexpr bool is_path_known(const both_steps& by) const {
         if (by.left.excess() > 5 + 8 * by.left_swing || by.right.excess() > 5 + 8 * by.right_swing)
             return false;
         const std::int32_t left_swing = commanded_.is_new() ? by.left_swing : 0;
@@ -116,39 +189,59 @@ class robot_model : public counted_model {
                                      by.left.farthest() + 8 * left_swing,
                                      by.right.farthest() + 8 * right_swing);
     }
+    constexpr bool is_still(const both_wheels& before, const both_wheels& now, duration took) const {
+        const both_steps by = steps_between(before, now, took);
+        return by.left.is_at_rest() && by.right.is_at_rest();
+    }
+    // Wheels that are to move and are seen where they stood: the response may be a late one to an earlier request.
+    constexpr bool may_be_late(const both_wheels& now, instant taken) const {
+        constexpr duration latest = milliseconds(250);
+        const duration ago = since(stood_at_, taken);
+        return commanded_.could_move() && ago < latest && is_still(stood_, now, ago);
+    }
     static constexpr bool is_save(routine steps) { return steps.data() == routine{routines::save}.data(); }
-    static constexpr bool changes_mode(const prepared_command& c) {
+    constexpr void note_step(const prepared_command& c) {
+        if (step_ < c.setpoint.step) step_ = c.setpoint.step;
+    }
+    // Shorter than any period of setpoints on this line.
+    static constexpr std::uint16_t shaped_ramp_ms = 10;
+
+    // In counts: beyond 2008h the drive raises a fault [errata B5].
+    constexpr std::uint32_t limit_in(const cached_settings& cached) const {
+        const std::uint32_t reached = std::uint32_t{cached.max_speed} * cached.resolution;
+        const std::uint32_t top = std::uint32_t{top_} * cached.resolution * 6554 >> 16;
+        const auto most = static_cast<std::uint32_t>(left_target_speed.limits.high);
+        const std::uint32_t own = reached < most ? reached : most;
+        return top < own ? top : own;
+    }
+    static constexpr bool changes_mode(const zlac8015d::prepared_command& c) {
         return !c.steps.empty() && (c.then == effect::enabled || is_save(c.steps));
     }
 
     const differential* base_ = nullptr;
     odometry odometry_{};
     both_wheels last_{};
+    both_wheels stood_{};
+    instant taken_{}; // the last feedback
+    instant stood_at_{};
     commanded_motion commanded_{};
+    shaped_speeds shaped_{};
     std::uint16_t epoch_ = 0;
-    std::uint8_t acceleration_ = 5;
+    std::uint16_t top_ = 0x7FFF; // 0.1 r/min
+    std::uint16_t stop_ms_ = 500;
+    duration step_{};               // the longest of a setpoint since the last feedback
+    std::uint8_t acceleration_ = 5; // 0.1 r/min in a millisecond
 };
 
 namespace detail {
-/// A twist with the machine that it is of.
+/// A twist of a robot, begun now.
 struct twist_of {
-    const differential& base;
+    const robot_model& robot;
     const twist& wanted;
+    instant now;
 
-    constexpr prepared_command plan(const cached_settings& cached) const {
-        const wheel_speeds both = base.wheels(wanted, cached.resolution, limit_in(cached));
-        return {.steps = routines::velocity,
-                .arguments = {commands::as_word(both.left), commands::as_word(both.right)},
-                .then = effect::motion,
-                .refusal = needs(cached, operating_mode::velocity)};
-    }
-
-  private:
-    // In counts: beyond 2008h the drive raises a fault [errata B5].
-    static constexpr std::uint32_t limit_in(const cached_settings& cached) {
-        const std::uint32_t reached = std::uint32_t{cached.max_speed} * cached.resolution;
-        const auto most = static_cast<std::uint32_t>(left_target_speed.limits.high);
-        return reached < most ? reached : most;
+    constexpr robot_command plan(const cached_settings& cached) const {
+        return robot.plan(wanted, now, cached);
     }
 };
 } // namespace detail
@@ -171,35 +264,64 @@ template <class Line> class robot : public basic_drive<Line, robot_model> {
 
     using base::begin;
     using base::run;
-    /// Velocity mode: drives both wheels by a twist, rounded to whole counts of their speeds. Above the drive's limit,
-    /// 2008h, both slow down by one factor, so that the path is kept. Errors: `wrong_state`, `needs_init`.
-    routine_status run(const twist& wanted) { return base::run(with_geometry(wanted)); }
+    /// Velocity mode: changes the speeds of both wheels to those of a twist, within the limits, by a setpoint every
+    /// 20 ms. It ends when the twist is ordered. Speeds are whole counts. Above the top speed, or 2008h, both wheels
+    /// are slowed down by one factor, so that the path is kept. Errors: `wrong_state`, `needs_init`.
+    routine_status run(const twist& wanted) {
+        for (;;) {
+            const instant begun = this->line().now();
+            const routine_status how = base::run(with_geometry(wanted));
+            if (!how || !is_changing_speed()) return how;
+            while (since(begun, this->line().now()) < shaped_speeds::first_step)
+                this->line().sleep(this->step());
+        }
+    }
+    /// Begins one setpoint on the way to a twist. A program begins its latest twist every 20 ms or so, as a
+    /// `setpoint_loop` does. Errors likewise.
     [[nodiscard]] constexpr errc begin(const twist& wanted) { return base::begin(with_geometry(wanted)); }
+    /// True while the twist that was begun last is not reached: it is to be begun again.
+    constexpr bool is_changing_speed() const { return this->model().is_changing(); }
     /// A twist with this robot's wheels, as `why` asks for it.
     constexpr detail::twist_of with_geometry(const twist& wanted) const {
-        return {this->model().base(), wanted};
+        return {this->model(), wanted, this->line().now()};
     }
 
-    /// Where the robot was at the pose's time, when the request for the last feedback began to leave. The pose begins
-    /// at x 0, y 0, heading 0 with the first feedback. It is continuous unless the way since then is not known: no
-    /// feedback yet, a restart of the drive, `init`, a lost port, cleared positions, a gap between two feedbacks in
-    /// which the path may have left its arc by more than 0.75 mm. `set_pose` makes it continuous again.
+    /// Where the robot was at the pose's time, when the request for the last feedback began to leave. While the robot
+    /// is to move and is seen where it stood, a late response would show the same: the time is up to 250 ms earlier.
+    /// The pose begins at x 0, y 0, heading 0 with the first feedback. It is not continuous after a restart of the drive,
+    /// `init`, a lost port or cleared positions. Nor is it after a gap between two feedbacks in which the path may have
+    /// left its arc by more than 0.75 mm. `set_pose` makes it continuous again.
     constexpr plane_pose pose() const {
         plane_pose p = this->model().pose();
         const bool is_same = this->model().epoch() == this->machine().known().epoch_of_positions();
         p.is_continuous = p.is_continuous && is_same && this->state() != drive_state::needs_init;
         return p;
     }
-    /// States by how much a wheel's speed changes in a second at most, in r/min of its motor: 500 r/min until this is
-    /// called, 100 to 25 500 r/min in steps of 100; more counts as 25 500. It is a limit of the robot, as its program
-    /// shapes the twists and the drive its ramps. A lower one keeps the pose over longer gaps in which the twist
-    /// changes.
-    constexpr void set_acceleration(speed in_a_second) {
-        constexpr std::uint32_t step = 252'000u; // counts of a tenth of a r/min in a millisecond
-        const auto counts = static_cast<std::uint32_t>(in_a_second.count() < 0 ? 0 : in_a_second.count());
-        std::uint32_t tenths = 1;
-        while (tenths < 255 && tenths * step < counts) ++tenths;
-        this->model().set_acceleration(static_cast<std::uint8_t>(tenths));
+    /// Limits the speeds of the wheels over the ground: `top`, and the times from standstill to it and back. By default
+    /// a motor gains and loses 500 r/min in a second, and 2008h is the top. The next `init` writes the time in which
+    /// the drive stops without the program, 2084h: no harder than the limits, by default 500 ms. Lower limits also keep
+    /// the pose over longer gaps. Errors:
+    /// - `bad_argument` for a profile that is not whole or has a start
+    /// - `out_of_range` above 3276 r/min of a motor, 6553 r/min in a second, or 17 s
+    constexpr errc set_limits(const axis_profile& by) {
+        if (!by.is_whole() || by.start.count() != 0) return errc::bad_argument;
+        const wheel_speeds top = this->model().base().wheels({by.top, {}}, 10, 0x7FFF);
+        const std::int32_t left = top.left < 0 ? -top.left : top.left;
+        const std::int32_t right = top.right < 0 ? -top.right : top.right;
+        const std::int32_t tenths = left < right ? left : right;
+        const std::int32_t faster =
+            detail::quotient(tenths * 1000, static_cast<std::uint32_t>(by.acceleration.count()));
+        const std::int32_t slower =
+            detail::quotient(tenths * 1000, static_cast<std::uint32_t>(by.deceleration.count()));
+        const std::int32_t longest = 17'000;
+        if (top.is_limited || faster < 1 || slower < 1 || faster > 0xFFFF || slower > 0xFFFF ||
+            by.acceleration.count() > longest || by.deceleration.count() > longest)
+            return errc::out_of_range;
+        // An S-shaped ramp is 15/8 as steep as a straight one.
+        const auto stop_ms = static_cast<std::uint16_t>((by.deceleration.count() * 15 + 7) / 8);
+        this->model().set_limits(static_cast<std::uint16_t>(faster), static_cast<std::uint16_t>(slower),
+                                 static_cast<std::uint16_t>(tenths), stop_ms);
+        return errc::ok;
     }
     /// The pose is this one since the last feedback.
     constexpr void set_pose(const plane_pose& here) { this->model().set_pose(here); }

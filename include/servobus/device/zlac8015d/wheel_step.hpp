@@ -54,10 +54,12 @@ class wheel_step {
         return there_ <= most && there_ >= -most;
     }
 
-    /// Bounds the bow of a wheel that changes its speed by at most `tenths` of 0.1 r/min in a millisecond, and has its
-    /// speed again at the end: a quarter of the time faster, half of it slower, a quarter faster.
-    static constexpr std::int32_t swing(std::uint8_t tenths, duration in, std::uint32_t counts_per_turn) {
-        const std::uint32_t change = tenths * (at_most_4_s(in) * 67 >> 16); // ms, 2 % too many
+    /// Bounds the bow of a wheel that changes its speed by at most `tenths` of 0.1 r/min in a millisecond. At the end
+    /// it has its speed again: for a quarter of the time it is faster, for half of it slower, and a quarter faster.
+    /// The first setpoint may change the speed for the time of a `step` before.
+    static constexpr std::int32_t swing(std::uint8_t tenths, duration in, std::uint32_t counts_per_turn,
+                                        duration step = {}) {
+        const std::uint32_t change = tenths * (at_most_4_s(in + step) * 67 >> 16); // ms, 2 % too many
         const auto faster = static_cast<std::int16_t>(change < 32'767 ? change : 32'767);
         return (way(faster, in, counts_per_turn) + 31) >> 5;
     }

@@ -260,6 +260,8 @@ template <class Subject> class conformance_player : protected conformance_judge<
                 this->must(t.run(enabled_by));
                 this->must(t.run(wanted));
                 t.live(milliseconds(100));
+                for (int i = 0; i < 40 && !t.is_turning(); ++i)
+                    t.live(milliseconds(10)); // its ramp begins slowly
             });
     }
     bool move(trial_type& t) {

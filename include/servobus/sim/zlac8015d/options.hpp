@@ -97,10 +97,10 @@ struct zlac8015d_options {
 
     /// The ramps of 2080h to 2083h to a speed [B36].
     enum class ramp : std::uint8_t {
-        linear,      ///< the acceleration time from 0 to the target, the deceleration time from there to 0
         begins_anew, ///< S-shaped, over the whole time, anew with each changed target: as 754 samples of a drive
+        linear,      ///< the acceleration time from 0 to the target, the deceleration time from there to 0
     };
-    ramp speed_ramp = ramp::linear;
+    ramp speed_ramp = ramp::begins_anew;
 
     /// 2012h, 2013h and 2014h take the printed codes alone, section 4 [B14]. False: any word. A program for a
     /// ZLAC8030D writes a time into 2014h.

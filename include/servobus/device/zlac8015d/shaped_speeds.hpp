@@ -1,0 +1,136 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// ZLTECH ZLAC8015D: setpoints of both wheels that change no faster than limits of acceleration and deceleration allow.
+// The drive's own ramps cannot do that for a stream of setpoints: they begin anew with each [errata B36].
+// zlac8015d/robot.hpp and zlac8015d/axes.hpp include it.
+//
+//     constexpr bool begins_slowly() { // 500 r/min in a second are 10 r/min in the first 20 ms
+//         const zlac8015d::shaped_speeds shaped;
+//         const auto first = shaped.towards({100, -100, false}, {}, 1, instant{});
+//         return first.left_word() == 10 && first.right_word() == 0xFFF6 && !first.is_last;
+//     }
+#pragma once
+
+#include <cstdint>
+
+#include <servobus/axis/differential.hpp>
+#include <servobus/core/time.hpp>
+
+namespace servobus::zlac8015d {
+
+/// Speeds that are ordered next, in 2^-8 counts of 2088h and 2089h: what rounding to counts leaves is kept.
+struct shaped_setpoint {
+    std::int32_t left = 0;
+    std::int32_t right = 0;
+    instant begun{};
+    duration step{};      ///< after the one before, as far as it counts
+    bool is_last = false; ///< these are the wanted speeds
+
+    constexpr std::uint16_t left_word() const { return word_of(left); }
+    constexpr std::uint16_t right_word() const { return word_of(right); }
+
+  private:
+    static constexpr std::uint16_t word_of(std::int32_t fine) {
+        return static_cast<std::uint16_t>((fine + 128) >> 8);
+    }
+};
+
+/// Speeds of both wheels as the drive shows them, 20ABh and 20ACh, in 0.1 r/min.
+struct measured_speeds {
+    std::int16_t left = 0;
+    std::int16_t right = 0;
+};
+
+/// The last setpoint, and the limits of the next. The changes of both wheels are cut by one factor, so that both arrive
+/// together.
+class shaped_speeds {
+  public:
+    /// A setpoint that is begun later than this after the one before changes the speeds no more than one in time.
+    static constexpr duration longest_step = milliseconds(100);
+    /// The step of a setpoint without one before it.
+    static constexpr duration first_step = milliseconds(20);
+
+    /// By so much, in 0.1 r/min, a wheel becomes faster or slower in a second. From the factory 500 r/min.
+    constexpr void set_limits(std::uint16_t acceleration, std::uint16_t deceleration) {
+        acceleration_ = acceleration;
+        deceleration_ = deceleration;
+    }
+
+    /// The setpoint that is begun now on the way to the wanted speeds, in counts. `resolution`: the counts of a r/min.
+    /// Without a setpoint before it the way begins at the measured speeds.
+    constexpr shaped_setpoint towards(const wheel_speeds& wanted, const measured_speeds& measured,
+                                      std::uint16_t resolution, instant now) const {
+        const std::int32_t from_left = is_known_ ? last_.left : fine_of(measured.left, resolution);
+        const std::int32_t from_right = is_known_ ? last_.right : fine_of(measured.right, resolution);
+        const duration step = is_known_ ? shorter_of(since(last_.begun, now), longest_step) : first_step;
+        const limits in_step{change_in(step, acceleration_, resolution),
+                             change_in(step, deceleration_, resolution)};
+        shaped_setpoint next{wanted.left * 256, wanted.right * 256, now, step, true};
+        const std::int64_t left = next.left - from_left, right = next.right - from_right;
+        const std::uint32_t part = largest_part(size_of(left), in_step.of(from_left, next.left),
+                                                size_of(right), in_step.of(from_right, next.right));
+        if (part == whole) return next;
+        next.left = from_left + static_cast<std::int32_t>(left * part >> bits);
+        next.right = from_right + static_cast<std::int32_t>(right * part >> bits);
+        next.is_last = false;
+        return next;
+    }
+    constexpr void begin(const shaped_setpoint& s) {
+        last_ = s;
+        is_known_ = true;
+    }
+    /// It is not known any more which speeds the drive is to have.
+    constexpr void forget() { is_known_ = false; }
+    /// True while the last setpoint leads to other speeds.
+    constexpr bool is_changing() const { return is_known_ && !last_.is_last; }
+
+  private:
+    static constexpr int bits = 20; // of a part
+    static constexpr std::uint32_t whole = std::uint32_t{1} << bits;
+
+    // By how much a wheel may become faster or slower in a step.
+    struct limits {
+        std::uint32_t faster, slower;
+
+        constexpr std::uint32_t of(std::int32_t from, std::int32_t to) const {
+            const std::uint32_t before = size_of(from);
+            const bool turns = (from < 0 && to > 0) || (from > 0 && to < 0);
+            if (!turns) return size_of(to) < before ? slower : faster;
+            if (before >= slower) return slower;
+            const std::uint32_t lower = faster < slower ? faster : slower; // through zero
+            return lower < before ? before : lower;
+        }
+    };
+
+    static constexpr std::uint32_t size_of(std::int64_t v) {
+        return static_cast<std::uint32_t>(v < 0 ? -v : v);
+    }
+    // 256 / 10
+    static constexpr std::int32_t fine_of(std::int16_t tenths, std::uint16_t resolution) {
+        return static_cast<std::int32_t>(std::int64_t{tenths} * resolution * 6554 >> 8);
+    }
+    // tenths * resolution * 256 / 10 in a second: 25.6e-6 is 1718 / 2^26.
+    static constexpr std::uint32_t change_in(duration step, std::uint16_t tenths, std::uint16_t resolution) {
+        return static_cast<std::uint32_t>(std::uint64_t{tenths} * resolution * step.us * 1718 >> 26);
+    }
+    // The largest part, in 2^-20, of which neither change exceeds its limit; bit by bit, without a division.
+    static constexpr std::uint32_t largest_part(std::uint64_t left, std::uint32_t left_limit,
+                                                std::uint64_t right, std::uint32_t right_limit) {
+        if (left <= left_limit && right <= right_limit) return whole;
+        std::uint32_t part = 0;
+        for (std::uint32_t bit = whole >> 1; bit != 0; bit >>= 1) {
+            const bool fits =
+                left * (part | bit) >> bits <= left_limit && right * (part | bit) >> bits <= right_limit;
+            if (fits) part |= bit;
+        }
+        return part;
+    }
+
+    shaped_setpoint last_{};
+    std::uint16_t acceleration_ = 5000;
+    std::uint16_t deceleration_ = 5000;
+    bool is_known_ = false;
+};
+
+} // namespace servobus::zlac8015d
