@@ -217,4 +217,85 @@ TEST_CASE("G42: an encoder that counts otherwise than the program says: not take
     }
 }
 
+namespace {
+
+constexpr axis_profile brisk{.top = 400_mm_per_s, .acceleration = 1_s, .deceleration = 500_ms}; // 200 r/min
+constexpr axis_profile gentle{
+    .top = 200_mm_per_s, .acceleration = 2_s, .deceleration = 1_s}; // 200 r/min, geared
+
+struct limited_rig : rig {
+    limited_rig() {
+        REQUIRE(belts.set_limits(brisk, gentle) == errc::ok);
+        enable_for(operating_mode::velocity);
+    }
+    std::int16_t left() {
+        return static_cast<std::int16_t>(model.peek(zlac8015d::left_target_speed.address));
+    }
+    std::int16_t right() {
+        return static_cast<std::int16_t>(model.peek(zlac8015d::right_target_speed.address));
+    }
+    template <class Wanted>
+    void order(zlac8015d::axis_of_drive<zlac8015d::axes<line_type>> of, const Wanted& wanted) {
+        REQUIRE(of.begin(wanted) == errc::ok);
+        while (!belts.is_idle()) wire.wait(belts.step());
+    }
+    void pass(std::uint32_t ms) {
+        for (const std::uint64_t end = wire.time_us() + 1000 * std::uint64_t{ms}; wire.time_us() < end;)
+            wire.wait(belts.step());
+    }
+};
+
+} // namespace
+
+TEST_CASE("an axis with limits changes its speed within them, each for itself") {
+    limited_rig r;
+    r.order(r.belts.left(), travel_at{300_mm_per_s});
+    CHECK(r.left() == 4); // 200 r/min in a second, for 20 ms
+    CHECK(r.belts.left().is_changing_speed());
+    CHECK_FALSE(r.belts.right().is_changing_speed());
+    r.order(r.belts.right(), travel_at{-100_mm_per_s});
+    CHECK(r.right() == 2); // mirrored, 100 r/min in a second
+    r.pass(100);
+    r.order(r.belts.left(), travel_at{300_mm_per_s});
+    CHECK(r.left() == 24); // 100 ms more
+    CHECK(r.right() == 2);
+    REQUIRE(r.belts.left().run(travel_at{300_mm_per_s}));
+    CHECK(r.left() == 150);
+    CHECK_FALSE(r.belts.left().is_changing_speed());
+    CHECK(r.belts.right().is_changing_speed());
+    REQUIRE(r.belts.left().run(travel_at{600_mm_per_s})); // beyond its top
+    CHECK(r.left() == 200);
+    REQUIRE(r.belts.left().run(travel_at{-600_mm_per_s}));
+    CHECK(r.left() == -200);
+    r.order(r.belts.left(), travel_at{0_mm_per_s});
+    CHECK(r.left() <= -180); // 400 r/min in a second to slow down
+    CHECK(r.left() > -200);
+    REQUIRE(r.belts.run(halt{}));
+    r.order(r.belts.left(), travel_at{300_mm_per_s});
+    CHECK(r.left() == 4);
+}
+
+TEST_CASE("axes with limits: `init` writes what follows from them, moves are refused") {
+    limited_rig r;
+    const std::uint16_t written[]{10, 10, 10, 10, 938, 1875}; // 15/8 of the time to slow down
+    for (std::uint16_t i = 0; i < 6; ++i)
+        CHECK(r.model.peek(static_cast<std::uint16_t>(0x2080 + i)) == written[i]);
+    CHECK(r.model.peek(zlac8015d::quick_stop_option_code.address) == 6);
+    REQUIRE(r.belts.run(disable{}));
+    REQUIRE(
+        r.belts.run(zlac8015d::enable_in{operating_mode::relative_position, synchronisation::asynchronous}));
+    CHECK(r.belts.left().begin(travel_by{10_mm}) == errc::bad_argument);
+    CHECK(r.belts.right().begin(travel_to{10_mm}) == errc::bad_argument);
+    rig without;
+    REQUIRE(without.belts.run(init{}));
+    CHECK(without.model.peek(0x2080) == 500); // as the program or the factory has set it
+    CHECK(without.model.peek(zlac8015d::quick_stop_option_code.address) == 5);
+    CHECK(without.belts.set_limits(brisk, {}) == errc::bad_argument);
+    CHECK(without.belts.set_limits({}, gentle) == errc::bad_argument);
+    CHECK(without.belts.set_limits({.top = 2000_m_per_s, .acceleration = 1_s, .deceleration = 1_s}, gentle) ==
+          errc::out_of_range);
+    REQUIRE(without.belts.run(init{}));
+    CHECK(without.model.peek(0x2080) == 500);
+}
+
 } // namespace axes_zlac8015d_tests

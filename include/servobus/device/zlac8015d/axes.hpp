@@ -18,10 +18,17 @@
 #include <servobus/control/axis_commands.hpp>
 #include <servobus/device/zlac8015d/counted_model.hpp>
 #include <servobus/device/zlac8015d/drive.hpp>
+#include <servobus/device/zlac8015d/shaped_speeds.hpp>
 
 namespace servobus::zlac8015d {
 
-using axis_command = servobus::axis_command<prepared_command>;
+/// A prepared command of an axis: the drive's own, what a relative move leaves, and the setpoint that a speed becomes.
+struct axis_command : servobus::axis_command<prepared_command> {
+    using servobus::axis_command<prepared_command>::axis_command;
+
+    shaped_setpoint setpoint{};
+    bool is_shaped = false;
+};
 
 /// The model of a drive with two axes.
 class axes_model : public counted_model {
@@ -34,41 +41,90 @@ class axes_model : public counted_model {
     }
     constexpr const axis_place& place(wheels which) const { return which == wheels::left ? left_ : right_; }
 
+    /// Axes with limits are moved at speeds only.
+    constexpr bool has_limits() const { return stops_.left_ms != 0; }
+    constexpr void set_limits(const speed_limits& left, const speed_limits& right) {
+        shaped_[0].set_limits(left);
+        shaped_[1].set_limits(right);
+        stops_ = {left.stop_ms, right.stop_ms};
+    }
+    /// The setpoint that is begun now on the way to a speed in counts.
+    constexpr shaped_setpoint towards(wheels which, std::int32_t counts, instant now,
+                                      const cached_settings& known) const {
+        const shaped_speeds& shaped = shaped_[number_of(which)];
+        const auto top = static_cast<std::int32_t>(shaped.top_in(known.resolution));
+        const std::int32_t within = counts > top ? top : counts < -top ? -top : counts;
+        return shaped.towards({within, 0}, {speeds_[number_of(which)], 0}, known.resolution, now);
+    }
+    /// True while the last speed of the axis is not reached.
+    constexpr bool is_changing(wheels which) const { return shaped_[number_of(which)].is_changing(); }
+
     constexpr void note(const block_feedback& r, const settings& known) {
         if (known.state == drive_state::needs_init) return; // counts from elsewhere after it
         left_.follow(position(r.words + image::place_of<left_actual_position>), r.epoch);
         right_.follow(position(r.words + image::place_of<right_actual_position>), r.epoch);
+        speeds_[0] = static_cast<std::int16_t>(r.words[image::place_of<left_actual_speed>]);
+        speeds_[1] = static_cast<std::int16_t>(r.words[image::place_of<right_actual_speed>]);
     }
     static constexpr prepared_command stop_for(stop_priority priority, const settings& known, bool is_first) {
         return model::stop_for(priority, known, is_first);
     }
+    constexpr errc admit(const prepared_command& c, duration lost) {
+        if (c.is_shaped)
+            shaped_[number_of(c.which)].begin(c.setpoint);
+        else
+            forget_speeds(c);
+        return counted_model::admit(c, lost);
+    }
     constexpr errc learn(prepared_command& c, const ending& e, settings& known) {
         if (e.is_done && c.carries) (c.which == wheels::left ? left_ : right_).keep(c.rest);
-        c.carries = false;
+        if (!c.is_shaped || !e.is_done) forget_speeds(c);
+        c.carries = c.is_shaped = false;
         return learn_counts(c, e, known, left_.geometry().counts_of_motor_turn(),
-                            right_.geometry().counts_of_motor_turn());
+                            right_.geometry().counts_of_motor_turn(), stops_);
     }
 
   private:
     static constexpr std::uint32_t position(const std::uint16_t* w) {
         return join_words(w[0], w[1], device::facts.word_order);
     }
+    static constexpr std::size_t number_of(wheels which) { return which == wheels::left ? 0 : 1; }
+    // Any command but a read, a wait, and the speed of the other axis.
+    constexpr void forget_speeds(const prepared_command& c) {
+        if (c.then == effect::seen || c.then == effect::arrived) return;
+        if (!c.is_shaped || c.which == wheels::left) shaped_[0].forget();
+        if (!c.is_shaped || c.which == wheels::right) shaped_[1].forget();
+    }
 
     axis_place left_{};
     axis_place right_{};
+    shaped_speeds shaped_[2]{};
+    std::int16_t speeds_[2]{}; // 0.1 r/min
+    stop_times stops_{};       // without limits none
 };
 
 namespace detail {
-/// A command of one axis, with its place.
+/// One axis of the two, now.
+struct axis_now {
+    const axes_model& model;
+    wheels which;
+    instant now;
+
+    constexpr const axis_place& place() const { return model.place(which); }
+};
+/// A command of one axis.
 template <class Wanted> struct command_of_wheel {
     const Wanted& wanted;
-    const axis_place& at;
-    wheels which;
+    axis_now on;
 
     constexpr axis_command plan(const cached_settings& known) const {
-        return plan_on_wheel(wanted, at, which, known);
+        return plan_on_wheel(wanted, on, known);
     }
 };
+// The ramps of axes with limits are too short for a move.
+constexpr errc position_error(const axes_model& of) {
+    return of.has_limits() ? errc::bad_argument : errc::ok;
+}
 // The drive's own profile counts: `position_speed` and `ramps` set it.
 constexpr errc profile_error(const axis_profile& by) {
     return by.is_stored() ? errc::ok : errc::bad_argument;
@@ -77,41 +133,50 @@ constexpr errc profile_error(const axis_profile& by) {
 
 /// Absolute position mode, asynchronous: to a place from the drive's absolute zero (2006h). Errors: as `move_left_to`;
 /// `out_of_range`; `bad_argument` with a profile, which is the drive's: `position_speed`, `ramps`.
-constexpr axis_command plan_on_wheel(const travel_to& wanted, const axis_place& at, wheels which,
+constexpr axis_command plan_on_wheel(const travel_to& wanted, const detail::axis_now& on,
                                      const cached_settings& known) {
-    const result<std::int32_t> counts = at.geometry().counts_of(wanted.place);
+    const result<std::int32_t> counts = on.place().geometry().counts_of(wanted.place);
     const distance place{counts.value_or(0)};
     axis_command c =
-        which == wheels::left ? move_left_to{place}.plan(known) : move_right_to{place}.plan(known);
+        on.which == wheels::left ? move_left_to{place}.plan(known) : move_right_to{place}.plan(known);
     c.refusal =
         detail::first_error(c.refusal, detail::first_error(detail::profile_error(wanted.by), counts.error()));
+    c.refusal = detail::first_error(detail::position_error(on.model), c.refusal);
     return c;
 }
 /// Relative position mode, asynchronous. Errors likewise.
-constexpr axis_command plan_on_wheel(const travel_by& wanted, const axis_place& at, wheels which,
+constexpr axis_command plan_on_wheel(const travel_by& wanted, const detail::axis_now& on,
                                      const cached_settings& known) {
     std::int32_t rest = 0;
-    const result<std::int32_t> counts = at.plan(wanted.way, rest);
+    const result<std::int32_t> counts = on.place().plan(wanted.way, rest);
     const distance way{counts.value_or(0)};
-    axis_command c = which == wheels::left ? move_left_by{way}.plan(known) : move_right_by{way}.plan(known);
+    axis_command c =
+        on.which == wheels::left ? move_left_by{way}.plan(known) : move_right_by{way}.plan(known);
     c.refusal =
         detail::first_error(c.refusal, detail::first_error(detail::profile_error(wanted.by), counts.error()));
+    c.refusal = detail::first_error(detail::position_error(on.model), c.refusal);
     c.rest = rest;
     c.carries = true;
     return c;
 }
 /// Velocity mode, to the nearest count of the drive's speed; the other axis keeps its speed. Errors: as
 /// `left_velocity`; `out_of_range`, also for a speed that is not 0 and rounds to it.
-constexpr axis_command plan_on_wheel(const travel_at& wanted, const axis_place& at, wheels which,
+constexpr axis_command plan_on_wheel(const travel_at& wanted, const detail::axis_now& on,
                                      const cached_settings& known) {
     const std::int32_t n = known.resolution;
-    const result<std::int32_t> exact = at.geometry().motor_counts_of(wanted.speed, n);
+    const result<std::int32_t> exact = on.place().geometry().motor_counts_of(wanted.speed, n);
     const std::int32_t counted = exact.value_or(0);
     const std::int32_t counts = counted > 32'767 || counted < -32'767 ? 0 : counted;
     const speed to{counts * (2520 / n)};
-    axis_command c = which == wheels::left ? left_velocity{to}.plan(known) : right_velocity{to}.plan(known);
+    axis_command c =
+        on.which == wheels::left ? left_velocity{to}.plan(known) : right_velocity{to}.plan(known);
     const errc lost = counts == 0 && wanted.speed.count() != 0 ? errc::out_of_range : errc::ok;
     c.refusal = detail::first_error(exact.error(), detail::first_error(lost, c.refusal));
+    if (c.refusal != errc::ok || !on.model.has_limits()) return c;
+    c.which = on.which;
+    c.setpoint = on.model.towards(on.which, counts, on.now, known);
+    c.is_shaped = true;
+    c.arguments[0] = c.setpoint.left_word();
     return c;
 }
 
@@ -123,18 +188,29 @@ template <class Drive> class axis_of_drive {
     /// The axis that the motor moves.
     constexpr const axis& geometry() const { return place().geometry(); }
 
-    /// Runs a command of this axis: `travel_to`, `travel_by`, `travel_at`. Waits.
+    /// Runs a command of this axis: `travel_to`, `travel_by`, `travel_at`. Waits; with limits until the speed is
+    /// ordered, by a setpoint every 20 ms.
     template <class Wanted> routine_status run(const Wanted& wanted) {
-        return drive_->run(with_geometry(wanted));
+        for (;;) {
+            const instant begun = drive_->line().now();
+            const routine_status how = drive_->run(with_geometry(wanted));
+            if (!how || !is_changing_speed()) return how;
+            while (since(begun, drive_->line().now()) < shaped_speeds::first_step)
+                drive_->line().sleep(drive_->step());
+        }
     }
+    /// Begins a command of this axis. With limits `travel_at` begins one setpoint on the way to its speed: a program
+    /// begins it every 20 ms or so.
     template <class Wanted> [[nodiscard]] constexpr errc begin(const Wanted& wanted) {
         return drive_->begin(with_geometry(wanted));
     }
     /// A command with this axis, and what the drive knows: as `why` asks for it.
     template <class Wanted>
     constexpr detail::command_of_wheel<Wanted> with_geometry(const Wanted& wanted) const {
-        return {wanted, place(), which_};
+        return {wanted, {drive_->model_of_axes(), which_, drive_->line().now()}};
     }
+    /// True while the speed that was begun last is not reached: it is to be begun again.
+    constexpr bool is_changing_speed() const { return drive_->model_of_axes().is_changing(which_); }
     constexpr drive_state state() const { return drive_->state(); }
     constexpr cached_settings cached() const { return drive_->cached(); }
 
@@ -198,6 +274,22 @@ template <class Line> class axes : public basic_drive<Line, axes_model> {
     constexpr axis_of_drive<axes> left() { return {*this, wheels::left}; }
     constexpr axis_of_drive<axes> right() { return {*this, wheels::right}; }
     constexpr const axis_place& place(wheels which) const { return this->model().place(which); }
+    /// What the facade knows of both axes.
+    constexpr const axes_model& model_of_axes() const { return this->model(); }
+
+    /// Limits the speeds of both axes and their changes: `top`, and the times from standstill to it and back.
+    /// `travel_at` shapes its setpoints by them, `travel_to` and `travel_by` are refused: the next `init` writes ramps of
+    /// 10 ms, and the time in which the drive stops without the program, no harder than the limits. Errors as
+    /// `robot::set_limits`.
+    constexpr errc set_limits(const axis_profile& left, const axis_profile& right) {
+        const result<motor_speed> left_top = place(wheels::left).geometry().motor_speed_of(left.top);
+        const result<motor_speed> right_top = place(wheels::right).geometry().motor_speed_of(right.top);
+        const motor_speed none{0x8000};
+        const result<speed_limits> of_left = speed_limits::of(left, left_top.value_or(none).count());
+        const result<speed_limits> of_right = speed_limits::of(right, right_top.value_or(none).count());
+        if (of_left && of_right) this->model().set_limits(*of_left, *of_right);
+        return detail::first_error(of_left.error(), of_right.error());
+    }
 };
 template <class Line> axes(Line&, std::uint8_t, const axis&, const axis&, const supervision&) -> axes<Line>;
 template <class Line>

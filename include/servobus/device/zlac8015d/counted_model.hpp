@@ -31,13 +31,29 @@ class counted_model : public model {
     }
 
   protected:
+    /// The times in which the drive stops without the program, 2084h and 2085h. With them, `init` writes short ramps too.
+    struct stop_times {
+        std::uint16_t left_ms = 0; ///< 0: the ramps stay as they are
+        std::uint16_t right_ms = 0;
+    };
+
     /// As `learn`; after `init` the lines are read, and a drive that counts otherwise is not taken over.
     constexpr errc learn_counts(prepared_command& c, const ending& e, settings& known, std::uint32_t left,
-                                std::uint32_t right) {
+                                std::uint32_t right, const stop_times& stops) {
+        if (e.steps.data() == routine{routines::shaped_ramps}.data()) {
+            if (e.is_done) known.state = drive_state::disabled;
+            return errc::ok;
+        }
         if (e.steps.data() == routine{routines::encoder_lines}.data()) {
             if (!e.is_done) return errc::ok;
             const bool is_as_said = counts_in(e.words[0]) == left && counts_in(e.words[1]) == right;
-            if (is_as_said) known.state = drive_state::disabled;
+            if (is_as_said && stops.left_ms == 0) known.state = drive_state::disabled;
+            if (is_as_said && stops.left_ms != 0) {
+                constexpr std::uint16_t ms = 10; // shorter than any period of setpoints on this line
+                c = {.steps = routines::shaped_ramps,
+                     .arguments = {ms, ms, ms, ms, stops.left_ms, stops.right_ms},
+                     .then = effect::initialised};
+            }
             return is_as_said ? errc::ok : errc::unexpected_value;
         }
         const bool is_initialised = e.is_done && c.then == effect::initialised;

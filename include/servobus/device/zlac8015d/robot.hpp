@@ -51,15 +51,11 @@ class robot_model : public counted_model {
     constexpr std::uint16_t epoch() const { return epoch_; }
     constexpr void set_pose(const plane_pose& to) { odometry_.set(to); }
 
-    /// The greatest changes of a wheel's speed in a second, and the fastest speed, all in 0.1 r/min of its motor.
-    /// `stop_ms`: the time in which the drive stops the wheels without the program.
-    constexpr void set_limits(std::uint16_t acceleration, std::uint16_t deceleration, std::uint16_t top,
-                              std::uint16_t stop_ms) {
-        shaped_.set_limits(acceleration, deceleration);
-        const std::uint16_t more = acceleration > deceleration ? acceleration : deceleration;
+    /// Of both wheels.
+    constexpr void set_limits(const speed_limits& to) {
+        shaped_.set_limits(to);
+        const std::uint16_t more = to.acceleration > to.deceleration ? to.acceleration : to.deceleration;
         acceleration_ = static_cast<std::uint8_t>((more + 999u) / 1000u);
-        top_ = top;
-        stop_ms_ = stop_ms;
     }
     /// The setpoint that is begun now on the way to a twist, as a command in velocity mode.
     constexpr prepared_command plan(const twist& wanted, instant now, const cached_settings& cached) const {
@@ -135,20 +131,10 @@ class robot_model : public counted_model {
         if (c.is_twist) note_step(c);
         c.is_twist = false; // what follows is none
         if (is_save(e.steps)) known.mode = operating_mode::undefined;
-        if (e.steps.data() == routine{routines::shaped_ramps}.data()) {
-            if (e.is_done) known.state = drive_state::disabled;
-            return errc::ok;
-        }
         const axle& on = base_->base();
-        const errc found =
-            learn_counts(c, e, known, on.left().counts_of_motor_turn(), on.right().counts_of_motor_turn());
-        const bool is_counted = e.is_done && e.steps.data() == routine{routines::encoder_lines}.data();
-        if (!is_counted || found != errc::ok) return found;
-        known.state = drive_state::needs_init; // until the ramps are written
-        c.steps = routines::shaped_ramps;
-        c.then = effect::initialised;
-        c.arguments = {shaped_ramp_ms, shaped_ramp_ms, shaped_ramp_ms, shaped_ramp_ms, stop_ms_, stop_ms_};
-        return errc::ok;
+        const std::uint16_t stop_ms = shaped_.limits().stop_ms;
+        return learn_counts(c, e, known, on.left().counts_of_motor_turn(), on.right().counts_of_motor_turn(),
+                            {stop_ms, stop_ms});
     }
 
   private:
@@ -203,13 +189,10 @@ class robot_model : public counted_model {
     constexpr void note_step(const prepared_command& c) {
         if (step_ < c.setpoint.step) step_ = c.setpoint.step;
     }
-    // Shorter than any period of setpoints on this line.
-    static constexpr std::uint16_t shaped_ramp_ms = 10;
-
     // In counts: beyond 2008h the drive raises a fault [errata B5].
     constexpr std::uint32_t limit_in(const cached_settings& cached) const {
         const std::uint32_t reached = std::uint32_t{cached.max_speed} * cached.resolution;
-        const std::uint32_t top = std::uint32_t{top_} * cached.resolution * 6554 >> 16;
+        const std::uint32_t top = shaped_.top_in(cached.resolution);
         const auto most = static_cast<std::uint32_t>(left_target_speed.limits.high);
         const std::uint32_t own = reached < most ? reached : most;
         return top < own ? top : own;
@@ -227,8 +210,6 @@ class robot_model : public counted_model {
     commanded_motion commanded_{};
     shaped_speeds shaped_{};
     std::uint16_t epoch_ = 0;
-    std::uint16_t top_ = 0x7FFF; // 0.1 r/min
-    std::uint16_t stop_ms_ = 500;
     duration step_{};               // the longest of a setpoint since the last feedback
     std::uint8_t acceleration_ = 5; // 0.1 r/min in a millisecond
 };
@@ -304,24 +285,13 @@ template <class Line> class robot : public basic_drive<Line, robot_model> {
     /// - `bad_argument` for a profile that is not whole or has a start
     /// - `out_of_range` above 3276 r/min of a motor, 6553 r/min in a second, or 17 s
     constexpr errc set_limits(const axis_profile& by) {
-        if (!by.is_whole() || by.start.count() != 0) return errc::bad_argument;
         const wheel_speeds top = this->model().base().wheels({by.top, {}}, 10, 0x7FFF);
         const std::int32_t left = top.left < 0 ? -top.left : top.left;
         const std::int32_t right = top.right < 0 ? -top.right : top.right;
-        const std::int32_t tenths = left < right ? left : right;
-        const std::int32_t faster =
-            detail::quotient(tenths * 1000, static_cast<std::uint32_t>(by.acceleration.count()));
-        const std::int32_t slower =
-            detail::quotient(tenths * 1000, static_cast<std::uint32_t>(by.deceleration.count()));
-        const std::int32_t longest = 17'000;
-        if (top.is_limited || faster < 1 || slower < 1 || faster > 0xFFFF || slower > 0xFFFF ||
-            by.acceleration.count() > longest || by.deceleration.count() > longest)
-            return errc::out_of_range;
-        // An S-shaped ramp is 15/8 as steep as a straight one.
-        const auto stop_ms = static_cast<std::uint16_t>((by.deceleration.count() * 15 + 7) / 8);
-        this->model().set_limits(static_cast<std::uint16_t>(faster), static_cast<std::uint16_t>(slower),
-                                 static_cast<std::uint16_t>(tenths), stop_ms);
-        return errc::ok;
+        const std::int32_t slower = left < right ? left : right;
+        const result<speed_limits> made = speed_limits::of(by, top.is_limited ? 0x8000 : slower);
+        if (made) this->model().set_limits(*made);
+        return made.error();
     }
     /// The pose is this one since the last feedback.
     constexpr void set_pose(const plane_pose& here) { this->model().set_pose(here); }

@@ -15,9 +15,43 @@
 #include <cstdint>
 
 #include <servobus/axis/differential.hpp>
+#include <servobus/control/axis_commands.hpp>
+#include <servobus/core/result.hpp>
+#include <servobus/core/status.hpp>
 #include <servobus/core/time.hpp>
+#include <servobus/device/zlac8015d/prepared_command.hpp>
 
 namespace servobus::zlac8015d {
+
+/// Limits of a wheel, or of both, in 0.1 r/min of the motor.
+struct speed_limits {
+    std::uint16_t acceleration = 5000; ///< in a second
+    std::uint16_t deceleration = 5000; ///< likewise
+    std::uint16_t top = 0x7FFF;
+    std::uint16_t stop_ms = 500; ///< in which the drive stops without the program: 2084h
+
+    /// Of a profile whose top speed is so many 0.1 r/min of a motor. Errors: `bad_argument` for a profile that is not
+    /// whole or has a start; `out_of_range` above 3276 r/min, 6553 r/min in a second, or 17 s.
+    static constexpr result<speed_limits> of(const axis_profile& by, std::int32_t top) {
+        if (!by.is_whole() || by.start.count() != 0) return errc::bad_argument;
+        constexpr std::int32_t longest = 17'000;
+        if (top < 0) top = -top;
+        if (top > 0x7FFF || by.acceleration.count() > longest || by.deceleration.count() > longest)
+            return errc::out_of_range;
+        const auto up = static_cast<std::uint32_t>(by.acceleration.count());
+        const auto down = static_cast<std::uint32_t>(by.deceleration.count());
+        const std::int32_t faster = detail::quotient(top * 1000, up);
+        const std::int32_t slower = detail::quotient(top * 1000, down);
+        if (faster < 1 || slower < 1 || faster > 0xFFFF || slower > 0xFFFF) return errc::out_of_range;
+        speed_limits made;
+        made.acceleration = static_cast<std::uint16_t>(faster);
+        made.deceleration = static_cast<std::uint16_t>(slower);
+        made.top = static_cast<std::uint16_t>(top);
+        // An S-shaped ramp is 15/8 as steep as a straight one.
+        made.stop_ms = static_cast<std::uint16_t>((15 * down + 7) / 8);
+        return made;
+    }
+};
 
 /// Speeds that are ordered next, in 2^-8 counts of 2088h and 2089h: what rounding to counts leaves is kept.
 struct shaped_setpoint {
@@ -51,10 +85,11 @@ class shaped_speeds {
     /// The step of a setpoint without one before it.
     static constexpr duration first_step = milliseconds(20);
 
-    /// By so much, in 0.1 r/min, a wheel becomes faster or slower in a second. From the factory 500 r/min.
-    constexpr void set_limits(std::uint16_t acceleration, std::uint16_t deceleration) {
-        acceleration_ = acceleration;
-        deceleration_ = deceleration;
+    constexpr void set_limits(const speed_limits& to) { limits_ = to; }
+    constexpr const speed_limits& limits() const { return limits_; }
+    /// The top speed in counts. `resolution`: the counts of a r/min.
+    constexpr std::uint32_t top_in(std::uint16_t resolution) const {
+        return std::uint32_t{limits_.top} * resolution * 6554 >> 16;
     }
 
     /// The setpoint that is begun now on the way to the wanted speeds, in counts. `resolution`: the counts of a r/min.
@@ -64,8 +99,8 @@ class shaped_speeds {
         const std::int32_t from_left = is_known_ ? last_.left : fine_of(measured.left, resolution);
         const std::int32_t from_right = is_known_ ? last_.right : fine_of(measured.right, resolution);
         const duration step = is_known_ ? shorter_of(since(last_.begun, now), longest_step) : first_step;
-        const limits in_step{change_in(step, acceleration_, resolution),
-                             change_in(step, deceleration_, resolution)};
+        const changes in_step{change_in(step, limits_.acceleration, resolution),
+                              change_in(step, limits_.deceleration, resolution)};
         shaped_setpoint next{wanted.left * 256, wanted.right * 256, now, step, true};
         const std::int64_t left = next.left - from_left, right = next.right - from_right;
         const std::uint32_t part = largest_part(size_of(left), in_step.of(from_left, next.left),
@@ -90,7 +125,7 @@ class shaped_speeds {
     static constexpr std::uint32_t whole = std::uint32_t{1} << bits;
 
     // By how much a wheel may become faster or slower in a step.
-    struct limits {
+    struct changes {
         std::uint32_t faster, slower;
 
         constexpr std::uint32_t of(std::int32_t from, std::int32_t to) const {
@@ -128,8 +163,7 @@ class shaped_speeds {
     }
 
     shaped_setpoint last_{};
-    std::uint16_t acceleration_ = 5000;
-    std::uint16_t deceleration_ = 5000;
+    speed_limits limits_{};
     bool is_known_ = false;
 };
 
