@@ -27,8 +27,9 @@ struct parameters {
     std::uint32_t right_counts_per_turn = 0;
     std::uint32_t watchdog_ms = 500;
     std::uint32_t command_timeout_ms = 300;
-    std::uint32_t acceleration_ms = 500;
-    std::uint32_t deceleration_ms = 500;
+    std::uint32_t acceleration = 50; ///< rad/s of a wheel in a second
+    std::uint32_t deceleration = 50; ///< likewise
+    std::uint32_t stop_ms = 500;
     std::uint32_t feedback_ms = 20;
     std::uint32_t response_ms = 50;
     bool left_mirrored = false;
@@ -57,15 +58,16 @@ struct number_parameter {
     std::uint32_t high;
     bool is_required;
 };
-inline constexpr std::array<number_parameter, 10> numbers{{
+inline constexpr std::array<number_parameter, 11> numbers{{
     {"node", &parameters::node, 1, 127, false},
     {"baud", &parameters::baud, 9600, 128000, false},
     {"left_counts_per_turn", &parameters::left_counts_per_turn, 4, 16384, true},
     {"right_counts_per_turn", &parameters::right_counts_per_turn, 4, 16384, true},
     {"watchdog_ms", &parameters::watchdog_ms, 1, 32767, false},
     {"command_timeout_ms", &parameters::command_timeout_ms, 50, 32767, false},
-    {"acceleration_ms", &parameters::acceleration_ms, 0, 32767, false},
-    {"deceleration_ms", &parameters::deceleration_ms, 0, 32767, false},
+    {"acceleration", &parameters::acceleration, 1, 600, false},
+    {"deceleration", &parameters::deceleration, 1, 600, false},
+    {"stop_ms", &parameters::stop_ms, 0, 32767, false},
     {"feedback_ms", &parameters::feedback_ms, 5, 1000, false},
     {"response_ms", &parameters::response_ms, 10, 1000, false},
 }};

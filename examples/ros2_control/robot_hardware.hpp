@@ -15,6 +15,7 @@
 
 #include <servobus/control/take_over.hpp>
 #include <servobus/device/zlac8015d.hpp>
+#include <servobus/device/zlac8015d/shaped_speeds.hpp>
 #include <servobus/posix/serial.hpp>
 #include <servobus/servobus.hpp>
 
@@ -110,11 +111,12 @@ template <class Port> class robot_hardware {
         const servobus::instant now = line_->now();
         const duration third = servobus::milliseconds(chosen_.command_timeout_ms / 3);
         if (!drive_->is_idle() || (!is_due_ && servobus::since(begun_, now) < third)) return {};
-        const auto wanted = velocity_of(wheels_, left_, right_);
-        if (const servobus::errc refusal = drive_->begin(wanted); refusal != servobus::errc::ok)
-            return std::string{"a velocity is refused: "} + text(refusal);
+        const servobus::zlac8015d::shaped_setpoint next = shaped(now);
+        const std::string refusal = begin(next);
+        if (!refusal.empty()) return refusal;
+        shaped_.begin(next);
         begun_ = now;
-        is_due_ = false;
+        is_due_ = shaped_.is_changing();
         step();
         return {};
     }
@@ -151,6 +153,30 @@ template <class Port> class robot_hardware {
     }
     std::string system_error() const { return std::generic_category().message(port_.os_error()); }
 
+    // The setpoint on the way to the latest command. Where the drive has not followed the one before, the way begins at
+    // the speeds that it shows.
+    servobus::zlac8015d::shaped_setpoint shaped(servobus::instant now) {
+        if (drive_->cause() != servobus::stop_cause::unknown || !drive_->last()) shaped_.forget();
+        const servobus::zlac8015d::cached_settings known = drive_->cached();
+        const std::int32_t parts = 2520 / known.resolution; // of a speed in a count
+        const auto wanted = velocity_of(wheels_, left_, right_).within(known);
+        const auto seen = drive_->feedback(servobus::milliseconds(500)).value_or({});
+        return shaped_.towards({wanted.left.count() / parts, wanted.right.count() / parts},
+                               {static_cast<std::int16_t>(seen.left_speed.count()),
+                                static_cast<std::int16_t>(seen.right_speed.count())},
+                               known.resolution, now);
+    }
+    std::string begin(const servobus::zlac8015d::shaped_setpoint& next) {
+        using servobus::zlac8015d::speed;
+        const std::int32_t parts = 2520 / drive_->cached().resolution;
+        const auto speed_of = [&](std::uint16_t word) {
+            return speed{static_cast<std::int16_t>(word) * parts};
+        };
+        const servobus::errc refusal = drive_->begin(
+            servobus::zlac8015d::velocity{speed_of(next.left_word()), speed_of(next.right_word())});
+        return refusal == servobus::errc::ok ? std::string{}
+                                             : std::string{"a velocity is refused: "} + text(refusal);
+    }
     void step() {
         for (int i = 0; i < most_steps && drive_->step() == duration{}; ++i) {}
     }
@@ -168,16 +194,28 @@ template <class Port> class robot_hardware {
         using namespace servobus;
         const zlac8015d::resolution fine{10}; // speeds count 0.1 r/min
         const zlac8015d::watchdog watchdog{time_of(chosen_.watchdog_ms)};
-        const zlac8015d::ramps ramps{time_of(chosen_.acceleration_ms), time_of(chosen_.deceleration_ms)};
+        // The ramps follow the setpoints, which are shaped here; the drive stops by itself in a time of its own.
+        const zlac8015d::ramps ramps{time_of(10), time_of(10)};
+        const zlac8015d::quick_stop_ramp stop{time_of(chosen_.stop_ms)};
+        const zlac8015d::quick_stop_by by{zlac8015d::quick_stop_option::fast_deceleration};
+        shaped_ = {};
+        shaped_.set_limits({.acceleration = tenths_of(chosen_.acceleration),
+                            .deceleration = tenths_of(chosen_.deceleration)});
         const take_over_status ready =
-            chosen_.reset_faults ? drive_->run(servobus::take_over{with_fault_reset{}, fine, watchdog, ramps})
-                                 : drive_->run(servobus::take_over{fine, watchdog, ramps});
+            chosen_.reset_faults
+                ? drive_->run(servobus::take_over{with_fault_reset{}, fine, watchdog, ramps, stop, by})
+                : drive_->run(servobus::take_over{fine, watchdog, ramps, stop, by});
         if (drive_->state() == drive_state::faulted)
             return faults_of(*drive_) + "; parameter reset_faults lets an activation reset them";
         if (ready) return {};
-        constexpr const char* settings[] = {"", " (resolution)", " (watchdog_ms)", " (ramps)"};
-        return std::string{"the drive is not taken over: "} + text(ready.part()) +
-               settings[ready.setting() & 3u] + ": " + text(ready.error());
+        constexpr const char* settings[] = {"",         " (resolution)", " (watchdog_ms)",
+                                            " (ramps)", " (stop_ms)",    " (2011h)"};
+        return std::string{"the drive is not taken over: "} + text(ready.part()) + settings[ready.setting()] +
+               ": " + text(ready.error());
+    }
+    // From rad/s in a second to 0.1 r/min in a second.
+    static std::uint16_t tenths_of(std::uint32_t rad_per_s2) {
+        return static_cast<std::uint16_t>(std::lround(600 / rad_per_turn * rad_per_s2));
     }
     static servobus::zlac8015d::time time_of(std::uint32_t ms) {
         return servobus::zlac8015d::time{static_cast<std::int32_t>(ms)};
@@ -218,7 +256,7 @@ template <class Port> class robot_hardware {
         if (const servobus::errc e = drive_->begin(stop); e != servobus::errc::ok)
             return std::string{"a stop is refused: "} + text(e);
         const servobus::instant begun = line_->now();
-        const duration limit = servobus::milliseconds(chosen_.deceleration_ms + 3000);
+        const duration limit = servobus::milliseconds(chosen_.stop_ms + 3000);
         while (!drive_->is_idle()) {
             if (servobus::since(begun, line_->now()) > limit)
                 return "the wheels did not stand in time; the drive's watchdog must stop it";
@@ -237,6 +275,7 @@ template <class Port> class robot_hardware {
     wheels_model followed_{}; // the counts while the port is closed
     double position_[2]{};
     double velocity_[2]{};
+    servobus::zlac8015d::shaped_speeds shaped_{};
     double left_ = 0; // rad/s
     double right_ = 0;
     servobus::instant begun_{}; // the last command

@@ -64,6 +64,35 @@ TEST_CASE("read and write do not wait, and the feedback is young, at each rate o
     }
 }
 
+TEST_CASE("commands that change at 50 Hz are followed within the limits, whatever the drive's ramps are") {
+    using ramp = sim::zlac8015d_options::ramp;
+    for (const ramp reading : {ramp::begins_anew, ramp::linear}) {
+        sim::zlac8015d_options options;
+        options.speed_ramp = reading;
+        world w{options};
+        w.begin();
+        double fastest = 0, steepest = 0, before = 0;
+        for (int i = 0; i < 200; ++i) {
+            const double wanted = 8 * std::sin(world::turn * i / 100); // 25 rad/s in a second, a turn in 2 s
+            w.component.command(wanted, wanted);
+            REQUIRE(w.cycle(milliseconds(20)) == return_type::OK);
+            const double now = static_cast<double>(w.drive.left().speed) / 1e6 * world::turn / 60;
+            fastest = std::max(fastest, now);
+            steepest = std::max(steepest, std::abs(now - before) * 50);
+            before = now;
+            if (i > 10)
+                CHECK(std::abs(now - 8 * std::sin(world::turn * (i - 3) / 100)) < 2.6); // a command takes some iterations
+        }
+        CHECK(fastest > 7.5);
+        CHECK(steepest < 3.2 * 50); // between two looks a step for three iterations
+        w.component.command(20, 20);
+        REQUIRE(w.run(200) == return_type::OK);
+        CHECK(w.velocity("left") < 12); // 50 rad/s in a second
+        REQUIRE(w.run(400) == return_type::OK);
+        CHECK(w.velocity("left") == doctest::Approx(20).epsilon(0.01));
+    }
+}
+
 TEST_CASE("a pair above the drive's limit slows down by one factor") {
     world w;
     w.begin();
