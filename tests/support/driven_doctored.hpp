@@ -82,6 +82,7 @@ held_registers read_of(Model& model, const check_list& list, const servobus::cat
     held_registers held;
     held.on.baud = model.baud();
     held.on.format = map.device->format;
+    held.on.period_ms = 600; // no ramp from the factory is longer
     const std::uint32_t before = model.writes();
     const auto rows = tool::diagnosis::rows_of(list, map);
     const auto read = [&](std::span<const servobus::entry* const> some, std::span<u16> words) {

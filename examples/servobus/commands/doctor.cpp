@@ -173,7 +173,8 @@ class consultation {
                 .format = on_.format(),
                 .node = of_->node,
                 .response_ms = of_->facts().limits.response.us / 1000,
-                .quarantine_ms = of_->facts().quarantine.us / 1000};
+                .quarantine_ms = of_->facts().quarantine.us / 1000,
+                .period_ms = period_ms_};
     }
 
     // False if the device does not respond, which is reported; what it refuses is reported and left out.

@@ -32,6 +32,7 @@ struct line_facts {
     std::uint8_t node = 1;
     u32 response_ms = 100;   ///< how long a program waits for a response, if it sets no limit of its own
     u32 quarantine_ms = 100; ///< and after one that did not come
+    u32 period_ms = 0;       ///< how often a program is to send a setpoint; 0: it is not known
 };
 
 /// The words of registers by address. The high word of a pair is at its lower address.

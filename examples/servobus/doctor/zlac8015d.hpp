@@ -112,6 +112,15 @@ inline bool is_drive_hot(const held_registers& r, const check& c) {
     return r.number(zlac::driver_temperature) + 10 * margin > r.word(c.of[1]);
 }
 
+// A ramp begins anew with each changed setpoint, and takes its whole time [errata B36].
+inline bool is_longer_than_period(const held_registers& r, const check& c) {
+    return r.on.period_ms != 0 && r.word(c.of[0]) > r.on.period_ms;
+}
+inline std::string ramp_in_words(const held_registers& r, const check& c) {
+    return "It takes " + std::to_string(r.word(c.of[0])) + " ms, a setpoint comes every " +
+           std::to_string(r.on.period_ms) + " ms.";
+}
+
 // The left wheel's value for both; the right one's where the left is 0.
 inline std::vector<new_value> alike(const held_registers& r, const check& c) {
     return r.word(c.of[0]) != 0 ? first_to_second(r, c) : second_to_first(r, c);
@@ -132,6 +141,9 @@ inline constexpr const char* unlike =
     "the wheels are unlike: the robot turns where it should run straight, or one wheel stops first";
 inline constexpr const char* unlike_ramps =
     "the wheels have unlike ramps: the robot turns as it starts and stops";
+inline constexpr const char* long_ramp =
+    "the ramp begins anew with each changed setpoint: a wheel that gets one more often crawls";
+inline constexpr const char* if_shaped = "if the program shapes its setpoints, as a robot of this library does";
 inline constexpr const char* no_speed_gain =
     "the speed loop has no proportional gain: the wheel does not turn as commanded, and holds nothing";
 inline constexpr const char* no_position_gain =
@@ -260,6 +272,10 @@ inline constexpr check table[] = {
      unlike_ramps, make_alike},
     {matters, {zlac::left_deceleration_time, zlac::right_deceleration_time}, differs,
      unlike_ramps, make_alike},
+    {matters, {zlac::left_acceleration_time}, is_longer_than_period,
+     long_ramp, {.act = if_shaped, .write = "left_acceleration_time=10 right_acceleration_time=10"}, ramp_in_words},
+    {matters, {zlac::left_deceleration_time}, is_longer_than_period,
+     long_ramp, {.act = if_shaped, .write = "left_deceleration_time=10 right_deceleration_time=10"}, ramp_in_words},
     {matters, {zlac::left_quick_stop_time, zlac::right_quick_stop_time}, differs,
      unlike_ramps, make_alike},
     {matters, {zlac::left_max_speed, zlac::right_max_speed}, differs,

@@ -102,6 +102,10 @@ constexpr doctored::state<bench> states[] = {
     {"unlike poles", put<0x2045, 10>, " left_pole_pairs"},
     {"unlike ramps", put<0x2080, 100>, " left_acceleration_time: the wheels have unlike ramps"},
     {"unlike ramps down", put<0x2083, 100>, " left_deceleration_time: the wheels have unlike ramps"},
+    {"a long ramp", [](bench& b) { return put<0x2080, 601>(b) && put<0x2081, 601>(b); },
+     " left_acceleration_time: the ramp begins anew"},
+    {"a long ramp down", [](bench& b) { return put<0x2082, 900>(b) && put<0x2083, 900>(b); },
+     " left_deceleration_time: the ramp begins anew"},
     {"unlike quick stops", put<0x2084, 500>, " left_quick_stop_time: the wheels have unlike ramps"},
     {"unlike overload factors", put<0x2032, 100>, " left_overload_factor"},
     {"unlike overload times", put<0x2065, 100>, " left_overload_time"},
@@ -203,6 +207,17 @@ TEST_CASE("the commands that doctor names mend its findings about a ZLAC8015D") 
 TEST_CASE("doctor has nothing to say of a ZLAC8015D from the factory") {
     const auto b = make();
     CHECK(tool::diagnosis::find(list, doctored::read_of(b->model, list, map)).empty());
+}
+
+TEST_CASE("a ramp is too long where a program has said how often it sends setpoints") {
+    auto held = doctored::read_of(make()->model, list, map);
+    const auto findings_at = [&](std::uint32_t period_ms) {
+        held.on.period_ms = period_ms;
+        return tool::diagnosis::find(list, held).size();
+    };
+    CHECK(findings_at(0) == 0);
+    CHECK(findings_at(499) == 2);
+    CHECK(findings_at(500) == 0);
 }
 
 TEST_CASE("the limits of the checks of a ZLAC8015D") {
