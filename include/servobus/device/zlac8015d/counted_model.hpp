@@ -39,7 +39,7 @@ class counted_model : public model {
 
     /// As `learn`; after `init` the lines are read, and a drive that counts otherwise is not taken over.
     constexpr errc learn_counts(prepared_command& c, const ending& e, settings& known, std::uint32_t left,
-                                std::uint32_t right, const stop_times& stops) {
+                                std::uint32_t right, const stop_times& by) {
         if (e.steps.data() == routine{routines::shaped_ramps}.data()) {
             if (e.is_done) known.state = drive_state::disabled;
             return errc::ok;
@@ -47,11 +47,11 @@ class counted_model : public model {
         if (e.steps.data() == routine{routines::encoder_lines}.data()) {
             if (!e.is_done) return errc::ok;
             const bool is_as_said = counts_in(e.words[0]) == left && counts_in(e.words[1]) == right;
-            if (is_as_said && stops.left_ms == 0) known.state = drive_state::disabled;
-            if (is_as_said && stops.left_ms != 0) {
+            if (is_as_said && by.left_ms == 0) known.state = drive_state::disabled;
+            if (is_as_said && by.left_ms != 0) {
                 constexpr std::uint16_t ms = 10; // shorter than any period of setpoints on this line
                 c = {.steps = routines::shaped_ramps,
-                     .arguments = {ms, ms, ms, ms, stops.left_ms, stops.right_ms},
+                     .arguments = {ms, ms, ms, ms, by.left_ms, by.right_ms},
                      .then = effect::initialised};
             }
             return is_as_said ? errc::ok : errc::unexpected_value;
