@@ -1,0 +1,125 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// The frames of a command as text, and how it ends if the drive reports another word in one of them: a command that reads
+// less, or does not judge what it reads, has another text.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <cstdio>
+#include <string>
+#include <vector>
+
+#include <doctest/doctest.h>
+
+#include <servobus/servobus.hpp>
+
+namespace frames_of_commands {
+
+using servobus::errc;
+using servobus::u16;
+
+struct frame {
+    bool is_write = false;
+    u16 address = 0;
+    std::vector<u16> words{};
+};
+
+/// A simulated drive that logs its requests, and reports one word of one of them otherwise.
+template <class Model> struct watched : Model {
+    using Model::Model;
+    std::vector<frame> log{};
+    std::size_t wrong_frame = ~std::size_t{0};
+    std::size_t wrong_word = 0;
+
+    std::uint8_t read(u16 address, servobus::slice<u16> to) {
+        const std::uint8_t why = Model::read(address, to);
+        if (log.size() == wrong_frame) to[wrong_word] = another(to[wrong_word]);
+        log.push_back({false, address, {to.begin(), to.end()}});
+        return why;
+    }
+    std::uint8_t write(u16 address, servobus::words_view from) {
+        frame f{true, address, {}};
+        for (std::size_t i = 0; i < from.size(); ++i) f.words.push_back(from[i]);
+        log.push_back(f);
+        return Model::write(address, from);
+    }
+
+  private:
+    // All bits are others, and a speed is no trembling.
+    static u16 another(u16 word) {
+        const auto is_small = [](int v) { return v < 100 && v > -100; };
+        return static_cast<u16>(word ^ (is_small(static_cast<std::int16_t>(~word)) ? 0x7FFFu : 0xFFFFu));
+    }
+};
+
+inline std::string hex_of(unsigned word) {
+    char text[8];
+    (void)std::snprintf(text, sizeof text, "%04X", word);
+    return text;
+}
+
+inline std::string word_for(errc e) {
+    switch (e) {
+    case errc::ok: return "-";
+    case errc::busy: return "busy";
+    case errc::faulted: return "faulted";
+    case errc::needs_init: return "needs_init";
+    case errc::not_executed: return "not_executed";
+    case errc::unexpected_value: return "unexpected_value";
+    case errc::wrong_state: return "wrong_state";
+    default: return servobus::text(e);
+    }
+}
+
+/// The requests, whatever the drive has responded.
+inline bool is_same(const std::vector<frame>& one, const std::vector<frame>& other) {
+    if (one.size() != other.size()) return false;
+    for (std::size_t i = 0; i < one.size(); ++i) {
+        const frame &a = one[i], &b = other[i];
+        if (a.is_write != b.is_write || a.address != b.address || a.words.size() != b.words.size())
+            return false;
+        if (a.is_write && a.words != b.words) return false;
+    }
+    return true;
+}
+
+/// `0605=0064 00C8` is a write. `0605: busy` is a read, and the error if it reports another word; `again`: the command
+/// goes on otherwise, as by another read; `-`: nothing depends on it; `"`: of the next word likewise. Of equal reads one
+/// after another, as in a wait, the first counts.
+template <class Rig, class Prepare, class Command>
+std::string frames_of(Rig& r, Prepare prepare, const Command& wanted) {
+    const auto play = [&](std::size_t frame, std::size_t word) {
+        r.model.wrong_frame = ~std::size_t{0};
+        REQUIRE(prepare(r));
+        r.model.log.clear();
+        r.model.wrong_frame = frame;
+        r.model.wrong_word = word;
+        return r.drive.run(wanted).error();
+    };
+    REQUIRE(play(~std::size_t{0}, 0) == errc::ok);
+    const std::vector<frame> all = r.model.log;
+    std::string text;
+    std::string before;
+    for (std::size_t i = 0; i < all.size(); ++i) {
+        const frame& f = all[i];
+        std::string one = hex_of(f.address) + (f.is_write ? "=" : ":");
+        std::string last;
+        for (std::size_t k = 0; k < f.words.size(); ++k) {
+            std::string word = f.is_write ? hex_of(f.words[k]) : word_for(play(i, k));
+            if (word == "-" && !is_same(r.model.log, all)) word = "again";
+            if (k != 0 || !f.is_write) one += ' ';
+            one += !f.is_write && word == last ? "\"" : word;
+            last = word;
+        }
+        if (one == before) continue;
+        if (i != 0) text += ", ";
+        text += one;
+        before = one;
+    }
+    r.model.wrong_frame = ~std::size_t{0};
+    return text;
+}
+
+} // namespace frames_of_commands
