@@ -42,6 +42,7 @@ TEST_CASE("a read that is due while its drive is unknown is sent as soon as the 
         REQUIRE(wheels.begin(zlac8015d::init{}) == errc::ok);
         for (tests::loop_bound left{"the end of a command"}; !wheels.is_idle(); left.use()) step();
         REQUIRE(wheels.last());
+        CHECK(all.latest<0>(milliseconds(60'000)).error() == errc::timeout); // no value of before
         for (const std::uint64_t end = machine.wire.time_us() + 30'000; machine.wire.time_us() < end;) step();
         CHECK(all.count(0) == round);
         CHECK(all.latest<0>(milliseconds(1000)));

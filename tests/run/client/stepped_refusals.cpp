@@ -163,6 +163,8 @@ TEST_CASE("G22: stepped calls of 32 bits without a word order are refused, and s
     stepped_read<switchable_client, fixture::place> one{r.drive};
     CHECK(one.begin() == errc::needs_word_order);
     CHECK(one.value().error() == errc::needs_word_order);
+    one.cancel(); // of a call that has ended
+    CHECK(one.status() == errc::needs_word_order);
     stepped_read<switchable_client, fixture::places> element{r.drive};
     CHECK(element.begin(1) == errc::needs_word_order);
     stepped_read<switchable_client, fixture::place, fixture::word> several{r.drive};

@@ -310,6 +310,14 @@ TEST_CASE("each parameter that a facade has read is the one that was set or kept
     CHECK(known().power_off_delay_ms == 506);
     REQUIRE(r.drive.run(keep<brake_on_to_command_delay>{500}));
     CHECK(known().brake_delay_ms == 500);
+    REQUIRE(r.drive.run(init{})); // which reads them all
+    CHECK(known().max_speed == 1501);
+    CHECK(known().max_forward == 1502);
+    CHECK(known().max_reverse == 1503);
+    CHECK(known().positive_torque == 1504);
+    CHECK(known().negative_torque == 1505);
+    CHECK(known().power_off_delay_ms == 506);
+    CHECK(known().brake_delay_ms == 500);
     const auto before = r.wire.time_us();
     REQUIRE(r.drive.run(enable_in{control_mode::speed}));
     CHECK(r.wire.time_us() - before >= 500'000); // it returns once the brake is open

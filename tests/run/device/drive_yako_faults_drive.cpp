@@ -72,16 +72,25 @@ TEST_CASE("S4: a start of any kind that is acknowledged and not executed is repo
 
 TEST_CASE("S4: a homing that is not executed is none, though the axis is homed and stands at its home") {
     closed_axis a;
+    a.model.attach(simulated::yako_slide());
     REQUIRE(a.drive.run(init{}));
     REQUIRE(a.drive.run(disable{}));
     REQUIRE(a.drive.run(set_input{input::x3, input_function::stop}));
     REQUIRE(a.drive.run(enable{}));
     REQUIRE(a.drive.run(declare_position{0 * pulse}));
     REQUIRE(a.drive.run(set_homing_profile{60 * r_per_min, 30 * r_per_min}));
-    a.model.set_input(3, true); // the drive ignores starts
-    a.run(10);
-    CHECK(a.drive.run(closed_loop::home{homing::home_24}).error() == errc::not_executed);
-    CHECK(a.drive.motion() == motion_check::not_seen);
+    for (const bool has_homed : {false, true}) {
+        CAPTURE(has_homed);
+        a.model.set_input(3, !has_homed); // the drive ignores starts
+        a.run(10);
+        if (has_homed) {
+            REQUIRE(a.drive.run(closed_loop::home{homing::home_24}));
+            a.model.set_input(3, true);
+            a.run(10);
+        }
+        CHECK(a.drive.run(closed_loop::home{homing::home_24}).error() == errc::not_executed);
+        CHECK(a.drive.motion() == motion_check::not_seen);
+    }
 }
 
 TEST_CASE("S4: the profile of a move that was not executed is the one that the drive holds") {
@@ -390,6 +399,15 @@ TEST_CASE("S4: whether a start that got no response was carried out is not known
         CHECK(a.drive.motion() == motion_check::unknown);
         CHECK(a.drive.arrival().how == arrival_state::none);
     }
+}
+
+TEST_CASE("the first read of a command is repeated as often as the node says") {
+    closed_axis a;
+    take(a);
+    const std::size_t before = a.requests.size();
+    a.wire.set_connected(0, false);
+    CHECK(a.drive.run(set_profile{brisk}).outcome() == outcome::not_sent);
+    CHECK(a.requests.size() == before + 1 + node<yako::closed_loop::device>{1}.read_retries);
 }
 
 } // namespace drive_yako_faults_drive_tests

@@ -383,4 +383,15 @@ TEST_CASE("20A2h to 20ACh: the feedback has each word in its place") {
     CHECK(f.right_speed.count() == -12);
 }
 
+TEST_CASE("a read that finds a fault has succeeded, whatever the command before it") {
+    rig r;
+    REQUIRE(r.drive.run(init{}));
+    REQUIRE(r.drive.run(enable{}));
+    CHECK(r.drive.run(move_by{1 * pulse, 1 * pulse}).error() == errc::wrong_state);
+    r.model.raise(fault::overcurrent, fault{});
+    CHECK(r.drive.read());
+    CHECK(r.drive.last());
+    CHECK(r.drive.state() == drive_state::faulted);
+}
+
 } // namespace drive_zlac8015d_states_tests

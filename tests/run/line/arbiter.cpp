@@ -120,4 +120,29 @@ TEST_CASE("an exchange that is abandoned before it left frees the line for the n
     CHECK(port.frames.size() == 1);
 }
 
+TEST_CASE(
+    "G25: a stop that is abandoned while it waits for the frame in flight keeps its place free no longer") {
+    tests::scripted_port port;
+    line<tests::scripted_port> wire{port, modbus::timing_at(115200)};
+    const response_limits limits{};
+    std::array<std::uint8_t, 7> room{};
+    std::array<std::uint8_t, 7> room_of_stop{};
+    const modbus::frame<8> request = modbus::read_frame(1, 0x2000, 1);
+    port.device = [](tests::scripted_port& p, const tests::sent_frame&) {
+        p.say(500, tests::read_response(1, {9}));
+    };
+    modbus::exchange first{request, room, wire.timing(), limits};
+    while (!first.was_sent()) {
+        (void)wire.step(first, bus_gaps{});
+        port.time += 100;
+    }
+    modbus::exchange stop{request, room_of_stop, wire.timing(), limits, priority::stop};
+    (void)wire.step(stop, bus_gaps{});
+    wire.abandon(stop);
+    CHECK_FALSE(stop.was_sent());
+    wire.run(first, bus_gaps{});
+    CHECK(first.status() == errc::ok);
+    CHECK(wire.is_free());
+}
+
 } // namespace arbiter_tests

@@ -161,6 +161,17 @@ TEST_CASE("G2: a late Modbus TCP response is dropped by its number, however late
     CHECK(word == 0x555A);
 }
 
+TEST_CASE("G2: a Modbus TCP response that is late by 256 requests is dropped too") {
+    scene s;
+    std::uint16_t word = 0;
+    for (int i = 0; i < 256; ++i) CHECK(s.read(&word, 1).error() == errc::timeout);
+    s.peer.us += 1'000'000;
+    s.peer.answered = s.peer.taken.size();
+    s.peer.answers = late_and_right;
+    REQUIRE(s.read(&word, 1).error() == errc::ok);
+    CHECK(word == 0x555A);
+}
+
 TEST_CASE("Modbus TCP: a response after a late one is given, although the peer has closed") {
     scene s;
     std::uint16_t word = 0;

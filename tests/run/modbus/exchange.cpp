@@ -189,6 +189,7 @@ TEST_CASE("the byte count in place of the quantity is accepted only where the li
     CHECK(run(write_many, framed({1, 0x10, 4, 0x88, 0, 2}), tolerant).why.error() == errc::wrong_address);
     CHECK(run(write_many, framed({1, 0x10, 0x20, 4, 0, 2}), tolerant).why.error() == errc::wrong_address);
     CHECK(run(write_many, framed({1, 0x10, 0x20, 0x88, 4, 2}), tolerant).why.error() == errc::wrong_quantity);
+    CHECK(run(write_many, framed({1, 0x10, 0x20, 0x88, 1, 4}), tolerant).why.error() == errc::wrong_quantity);
     // And only for function 10h: byte 6 of a request of function 06 belongs to its CRC.
     CHECK(run(write_one, framed({1, 6, 0x20, 0x88, 0x00, write_one[6]}), tolerant).why.error() ==
           errc::wrong_value);
