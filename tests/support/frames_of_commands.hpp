@@ -32,10 +32,14 @@ template <class Model> struct watched : Model {
     std::vector<frame> log{};
     std::size_t wrong_frame = ~std::size_t{0};
     std::size_t wrong_word = 0;
+    u16 wrong_bits = 0;  ///< 0: all, and a speed is no trembling
+    u16 status_bits = 0; ///< that decide each alone, in a word by which the drive is faulted
 
     std::uint8_t read(u16 address, servobus::slice<u16> to) {
         const std::uint8_t why = Model::read(address, to);
-        if (log.size() == wrong_frame) to[wrong_word] = another(to[wrong_word]);
+        if (log.size() == wrong_frame)
+            to[wrong_word] =
+                static_cast<u16>(to[wrong_word] ^ (wrong_bits != 0 ? wrong_bits : all_of(to[wrong_word])));
         log.push_back({false, address, {to.begin(), to.end()}});
         return why;
     }
@@ -47,10 +51,9 @@ template <class Model> struct watched : Model {
     }
 
   private:
-    // All bits are others, and a speed is no trembling.
-    static u16 another(u16 word) {
+    static u16 all_of(u16 word) {
         const auto is_small = [](int v) { return v < 100 && v > -100; };
-        return static_cast<u16>(word ^ (is_small(static_cast<std::int16_t>(~word)) ? 0x7FFFu : 0xFFFFu));
+        return is_small(static_cast<std::int16_t>(~word)) ? 0x7FFF : 0xFFFF;
     }
 };
 
@@ -86,16 +89,17 @@ inline bool is_same(const std::vector<frame>& one, const std::vector<frame>& oth
 }
 
 /// `0605=0064 00C8` is a write. `0605: busy` is a read, and the error if it reports another word; `again`: the command
-/// goes on otherwise, as by another read; `-`: nothing depends on it; `"`: of the next word likewise. Of equal reads one
-/// after another, as in a wait, the first counts.
+/// goes on otherwise, as by another read; `-`: nothing depends on it; `"`: of the next word likewise; `faulted|busy`: of
+/// single bits of a status. Of equal reads one after another, as in a wait, the first counts.
 template <class Rig, class Prepare, class Command>
 std::string frames_of(Rig& r, Prepare prepare, const Command& wanted) {
-    const auto play = [&](std::size_t frame, std::size_t word) {
+    const auto play = [&](std::size_t frame, std::size_t word, u16 bits = 0) {
         r.model.wrong_frame = ~std::size_t{0};
         REQUIRE(prepare(r));
         r.model.log.clear();
         r.model.wrong_frame = frame;
         r.model.wrong_word = word;
+        r.model.wrong_bits = bits;
         return r.drive.run(wanted).error();
     };
     REQUIRE(play(~std::size_t{0}, 0) == errc::ok);
@@ -109,6 +113,11 @@ std::string frames_of(Rig& r, Prepare prepare, const Command& wanted) {
         for (std::size_t k = 0; k < f.words.size(); ++k) {
             std::string word = f.is_write ? hex_of(f.words[k]) : word_for(play(i, k));
             if (word == "-" && !is_same(r.model.log, all)) word = "again";
+            for (unsigned bit = 0; !f.is_write && word.starts_with("faulted") && bit < 16; ++bit) {
+                if ((r.model.status_bits >> bit & 1u) == 0) continue;
+                const std::string more = word_for(play(i, k, static_cast<u16>(1u << bit)));
+                if (more != "-" && word.find(more) == std::string::npos) word += "|" + more;
+            }
             if (k != 0 || !f.is_write) one += ' ';
             one += !f.is_write && word == last ? "\"" : word;
             last = word;

@@ -38,7 +38,6 @@ struct dual_servo : simulated::simulated_model<watched<sim::zlac8015d>, sim::zla
     zlac8015d::drive<line_type> drive{line, 1, unsupervised};
 };
 
-/// The tables of the manuals name the registers.
 void expect(const std::string& frames, const char* wanted) { CHECK(frames == wanted); }
 
 constexpr auto in_any_state = [](auto&) { return true; };
@@ -50,6 +49,7 @@ TEST_CASE("the frames of a YAKO's commands, and what each word that they read de
     namespace cl = closed_loop;
     simulated::driven_yako<watched<sim::yako_closed_loop>, cl::drive> a;
     simulated::driven_yako<watched<sim::yako_open_loop>, open_loop::drive> o;
+    a.model.status_bits = motion_status::moving_bit | motion_status::released_bit | motion_status::alarm_bit;
     const auto released = [](auto& r) { return r.drive.run(init{}) && r.drive.run(disable{}); };
     const auto enabled = [](auto& r) { return r.drive.run(init{}) && r.drive.run(enable{}); };
     const motion_profile slow{10 * r_per_min, 90 * millisecond, 80 * millisecond, 60 * r_per_min};
@@ -64,7 +64,8 @@ TEST_CASE("the frames of a YAKO's commands, and what each word that they read de
         "0006: again \" \" \" \" \" -, 0020: again \" \" \", 0032: again \", 00BA: again \", 00BA=0000 0001, "
         "00BA: unexpected_value \"");
     expect(frames_of(a, released, enable{}),
-           "00BA: needs_init \", 0006: - faulted - \" again \" -, 002D=0012, 0006: - again - \" \" \" \"");
+           "00BA: needs_init \", 0006: - faulted|busy - \" again \" -, 002D=0012, "
+           "0006: - again - \" \" \" \"");
     expect(frames_of(a, enabled, disable{}),
            "0027=0100, 0006: - again - \" again \" -, 002D=0011, 0006: - again - \" \" \" \"");
     expect(frames_of(a, enabled, halt{}), "0027=0100, 0006: - again - \" \" \" \"");
@@ -92,7 +93,8 @@ TEST_CASE("the frames of a YAKO's commands, and what each word that they read de
     expect(frames_of(a, enabled, set_pv_trigger{pv_trigger::rising_edge}),
            "00BA: needs_init \", 0006: - faulted - \" \" \" \", 0051=0001, 0051: unexpected_value");
     expect(frames_of(a, released, (set_input{input::x2, input_function::stop})),
-           "00BA: needs_init \", 0006: - faulted - \" \" \" \", 0043=0005, 0043: unexpected_value");
+           "00BA: needs_init \", 0006: - faulted|busy|wrong_state - \" \" \" \", 0043=0005, "
+           "0043: unexpected_value");
     expect(frames_of(a, released, (set_output{output::y1, output_function::alarm})),
            "00BA: needs_init \", 0006: - \" \" \" \" \" \", 004D=0001, 004D: unexpected_value");
     expect(frames_of(a, enabled, (limit_travel{70'000 * pulse, -70'000 * pulse})),
@@ -114,32 +116,53 @@ TEST_CASE("the frames of a YAKO's commands, and what each word that they read de
            "00BA: needs_init \", 0006: - faulted - \" \" \" \", 010E=0001 0002 0003 0004, "
            "010E: unexpected_value \" \" \"");
     expect(frames_of(a, enabled, set_baud_rate{baud_rate::baud_115200}),
-           "00BA: needs_init \", 0006: - faulted - \" \" \" \", 0014=0000, 0014: unexpected_value");
+           "00BA: needs_init \", 0006: - faulted|busy - \" \" \" \", 0014=0000, 0014: unexpected_value");
     expect(frames_of(a, enabled, set_serial_format{serial_format::n81}),
-           "00BA: needs_init \", 0006: - faulted - \" \" \" \", 0015=0000, 0015: unexpected_value");
+           "00BA: needs_init \", 0006: - faulted|busy - \" \" \" \", 0015=0000, 0015: unexpected_value");
     expect(frames_of(a, enabled, (move_by{20 * pulse, slow})),
-           "00BA: needs_init \", 0006: - faulted - \" again \" -, 0020=000A 005A 0050 003C 0000 0014, "
-           "0027=0001, 00BA: needs_init \", 0006: - faulted - \" \" \" \"");
+           "00BA: needs_init \", 0006: - faulted|busy|wrong_state - \" again \" -, "
+           "0020=000A 005A 0050 003C 0000 0014, 0027=0001, 00BA: needs_init \", "
+           "0006: - faulted - \" \" \" \"");
     expect(frames_of(a, enabled, (move_by{20 * pulse})),
-           "0020: needs_init \" \" \", 00BA: needs_init \", 0006: - faulted - \" again \" -, "
-           "0024=0000 0014, 0027=0001, 00BA: needs_init \", 0006: - faulted - \" \" \" \"");
-    expect(frames_of(a, enabled, (yako::velocity{30 * r_per_min})),
-           "00BA: needs_init \", 0006: - faulted - \" again \" -, 001D=001E 0064 0064, 0027=0002, "
+           "0020: needs_init \" \" \", 00BA: needs_init \", "
+           "0006: - faulted|busy|wrong_state - \" again \" -, 0024=0000 0014, 0027=0001, "
            "00BA: needs_init \", 0006: - faulted - \" \" \" \"");
+    expect(frames_of(a, enabled, (yako::velocity{30 * r_per_min})),
+           "00BA: needs_init \", 0006: - faulted|busy|wrong_state - \" again \" -, 001D=001E 0064 0064, "
+           "0027=0002, 00BA: needs_init \", 0006: - faulted - \" \" \" \"");
     expect(frames_of(a, enabled, declare_position{0 * pulse}),
-           "0032: needs_init \", 00BA: needs_init \", 0006: - faulted - \" \" \" \", 0030=0006 0023, "
-           "0035=0000 0000, 00BA: needs_init \", 0027=0010, 00BA: needs_init \", "
+           "0032: needs_init \", 00BA: needs_init \", 0006: - faulted|busy|wrong_state - \" \" \" \", "
+           "0030=0006 0023, 0035=0000 0000, 00BA: needs_init \", 0027=0010, 00BA: needs_init \", "
            "0006: - faulted - \" \" \" \", 0006: - faulted - \" again \" -, 00BA: needs_init \"");
     expect(frames_of(a, enabled, (set_input_move{300 * pulse, slow})),
            "00BA: needs_init \", 0006: - \" \" \" \" \" \", 0020=0000 0000 0000 0000 0000 0000, 0050=0000, "
            "0020=000A 005A 0050 003C 0000 012C");
     expect(frames_of(a, enabled, wait_standstill{}), "0006: - faulted - \" \" \" \", 00BA: needs_init \"");
     expect(frames_of(a, enabled, read_feedback{}), "0006: - \" \" \" \" \" \"");
+    const auto placed = [&](auto& r) { return enabled(r) && r.drive.run(declare_position{0 * pulse}); };
+    expect(frames_of(a, placed, (move_to{20 * pulse, slow})),
+           "00BA: needs_init \", 0006: - needs_init - \" again \" -, 0020=000A 005A 0050 003C 0000 0014, "
+           "0027=0005, 00BA: needs_init \", 0006: - needs_init - \" \" \" \"");
+    expect(frames_of(a, placed, (move_to{20 * pulse, {}, while_moving::interrupt})),
+           "0020: needs_init \" \" \", 00BA: needs_init \", 0006: - needs_init - \" again \" -, "
+           "0024=0000 0014, 0027=000D, 00BA: needs_init \", 0006: - needs_init - \" \" \" \"");
+    expect(frames_of(a, enabled, (move_by{20 * pulse, slow, while_moving::interrupt})),
+           "00BA: needs_init \", 0006: - faulted|wrong_state - \" again \" -, "
+           "0020=000A 005A 0050 003C 0000 0014, 0027=0009, 00BA: needs_init \", "
+           "0006: - faulted - \" \" \" \"");
+    expect(frames_of(a, placed, declare_position{70'000 * pulse}),
+           "0032: needs_init \", 00BA: needs_init \", 0006: - needs_init - \" \" \" \", 0030=0006 0023, "
+           "0035=0001 1170, 00BA: needs_init \", 0027=0010, 00BA: needs_init \", "
+           "0006: - faulted - \" \" \" \", 0006: - faulted - \" again \" -, 00BA: needs_init \"");
+    expect(frames_of(a, released, cl::set_input_polarity{{.x1 = true}}),
+           "00BA: needs_init \", 0006: - faulted|busy|wrong_state - \" \" \" \", 0040=0002, "
+           "0040: unexpected_value");
 }
 
 TEST_CASE("the frames of a C630S's commands, and what each word that they read decides") {
     using namespace servobus::c630s;
     servo r;
+    r.model.status_bits = status_flags::fault_bit | status_flags::brake_bit | status_flags::ready_bit;
     const auto off = [](auto& d) { return bool{d.drive.run(init{})}; };
     const auto on = [](control_mode m) {
         return [m](auto& d) { return d.drive.run(init{}) && d.drive.run(enable_in{m}); };
@@ -215,7 +238,7 @@ TEST_CASE("the frames of a C630S's commands, and what each word that they read d
            "0602: unexpected_value, 1720: wrong_state, 0603: unexpected_value \", "
            "0703: unexpected_value, 3100: needs_init, 3100=8001, 3100: needs_init, "
            "0603: needs_init \", 0703: needs_init, 0C0D: needs_init, 0200: needs_init, 1720: again, "
-           "1720: faulted");
+           "1720: faulted|needs_init");
     expect(frames_of(r, off, enable_in{control_mode::torque}),
            "0C0D: needs_init, 0C1A: needs_init, 3100: needs_init, 0B00: busy - \" \", 1720: faulted, "
            "0603=0000 0000, 0703=0000, 1100=0002, 1100: unexpected_value, 1200=0002, "
@@ -225,7 +248,7 @@ TEST_CASE("the frames of a C630S's commands, and what each word that they read d
            "0702: unexpected_value, 1720: wrong_state, 0603: unexpected_value \", "
            "0703: unexpected_value, 3100: needs_init, 3100=8001, 3100: needs_init, "
            "0603: needs_init \", 0703: needs_init, 0C0D: needs_init, 0200: needs_init, 1720: again, "
-           "1720: faulted");
+           "1720: faulted|needs_init");
     expect(frames_of(r, off, enable_in{control_mode::position}),
            "0C0D: needs_init, 0C1A: needs_init, 3100: needs_init, 0B00: busy - \" \", 1720: faulted, "
            "0603=0000 0000, 0703=0000, 1100=0002, 1100: unexpected_value, 1200=0002, "
@@ -235,7 +258,7 @@ TEST_CASE("the frames of a C630S's commands, and what each word that they read d
            "0514: unexpected_value, 1104: -, 1720: wrong_state, 0603: unexpected_value \", "
            "0703: unexpected_value, 3100: needs_init, 3100=8001, 3100: needs_init, "
            "0603: needs_init \", 0703: needs_init, 0C0D: needs_init, 0200: needs_init, 1720: again, "
-           "1720: faulted");
+           "1720: faulted|needs_init");
     expect(frames_of(r, off, run_speed_segments{}),
            "0C0D: needs_init, 0C1A: needs_init, 3100: needs_init, 0B00: busy - \" \", 1720: faulted, "
            "0603=0000 0000, 0703=0000, 1100=0002, 1100: unexpected_value, 1200=0002, "
@@ -245,7 +268,7 @@ TEST_CASE("the frames of a C630S's commands, and what each word that they read d
            "0602: unexpected_value, 1201=0010, 1201: unexpected_value, 1720: wrong_state, "
            "0603: unexpected_value \", 0703: unexpected_value, 3100: needs_init, 3100=8001, "
            "3100: needs_init, 0603: needs_init \", 0703: needs_init, 0C0D: needs_init, "
-           "0200: needs_init, 1720: again, 1720: faulted");
+           "0200: needs_init, 1720: again, 1720: faulted|needs_init");
     expect(frames_of(r, on(control_mode::speed), disable{}),
            "0603=0000 0000, 3100: again, 3100=8000, 3100: again, 0B00: again - \" \", 1720: -");
     expect(frames_of(r, on(control_mode::torque), disable{}),
@@ -258,15 +281,49 @@ TEST_CASE("the frames of a C630S's commands, and what each word that they read d
     expect(frames_of(r, on(control_mode::speed), quick_stop{}),
            "0D05=0001, 0603=0000 0000, 0703=0000, 0B00: again - \" \"");
     expect(frames_of(r, on(control_mode::speed), c630s::velocity{30 * r_per_min}),
-           "1720: faulted, 0603=001E");
-    expect(frames_of(r, on(control_mode::torque), c630s::torque{5 * percent}), "1720: faulted, 0703=0032");
+           "1720: faulted|needs_init, 0603=001E");
+    expect(frames_of(r, on(control_mode::torque), c630s::torque{5 * percent}),
+           "1720: faulted|needs_init, 0703=0032");
     expect(frames_of(r, on(control_mode::speed), jog{30 * r_per_min}),
-           "0C0D: needs_init, 1720: faulted, 0B00: busy - \" \", 0604=001E, 0604: unexpected_value, "
-           "3100: needs_init, 3100=8201, 3100: needs_init, 0604: needs_init, 0C0D: needs_init");
+           "0C0D: needs_init, 1720: faulted|needs_init, 0B00: busy - \" \", 0604=001E, "
+           "0604: unexpected_value, 3100: needs_init, 3100=8201, 3100: needs_init, 0604: needs_init, "
+           "0C0D: needs_init");
     expect(frames_of(r, on(control_mode::position), start_segment{1}),
-           "0C0D: needs_init, 1720: faulted, 0B00: busy - \" \", 0B07: - \", 0B35: - \" \" \", 110C: - \", "
-           "0B21: - \", 1720: faulted, 3100: needs_init, 3100=8001, 3100: needs_init, 3100=8041, "
-           "3100: needs_init, 3100=8001, 0500: needs_init, 0C0D: needs_init");
+           "0C0D: needs_init, 1720: faulted|needs_init, 0B00: busy - \" \", 0B07: - \", 0B35: - \" \" \", "
+           "110C: - \", 0B21: - \", 1720: faulted|needs_init, 3100: needs_init, 3100=8001, "
+           "3100: needs_init, 3100=8041, 3100: needs_init, 3100=8001, 0500: needs_init, "
+           "0C0D: needs_init");
+    expect(frames_of(r, off, keep<pulses_per_revolution>{10'000}),
+           "0C1A: needs_init, 3100: needs_init, 0B00: busy - \" \", 0B21=0009, 0C0D=0001, "
+           "0C0D: unexpected_value, 0502=2710 0000, 0502: unexpected_value \", 0C0D: unexpected_value, "
+           "0C0D=0000, 0C0D: unexpected_value");
+    expect(frames_of(r, off, c630s::restart{}), "3100: needs_init, 0B00: busy - \" \", 0D00=0001");
+    expect(frames_of(
+               r,
+               [](auto& d) {
+                   return d.drive.run(init{}) &&
+                          d.drive.run(enable_in{control_mode::position, position_source::step});
+               },
+               make_step{}),
+           "0C0D: needs_init, 1720: faulted|needs_init, 0B00: busy - \" \", 0B07: - \", 0B35: - \" \" \", "
+           "0505: -, 0B21: - \", 1720: faulted|needs_init, 3100: needs_init, 3100=8001, "
+           "3100: needs_init, 3100=8081, 3100: needs_init, 3100=8001, 0500: needs_init, "
+           "0C0D: needs_init");
+    expect(frames_of(r, on(control_mode::speed), wait_standstill{}), "0B00: again - \" \", 3100: needs_init");
+    const auto jogging = [&](auto& d) {
+        return on(control_mode::speed)(d) && d.drive.run(jog{30 * r_per_min});
+    };
+    expect(frames_of(r, jogging, halt{}),
+           "0603=0000 0000, 0603: again \", 3100: again, 3100=8001, 3100: again, 0603: again \", "
+           "0B00: again - \" \", 0C0D: again");
+    const auto running = [](auto& d) { return d.drive.run(init{}) && d.drive.run(run_speed_segments{}); };
+    expect(frames_of(r, running, select_speed_segment{2}),
+           "0C0D: needs_init, 1720: faulted|needs_init, 3100: needs_init, 3100=8005, "
+           "3100: needs_init, 0602: needs_init, 0C0D: needs_init");
+    expect(frames_of(r, running, quick_stop{}),
+           "0D05=0001, 0B00: again - \" \", 3100: again, 3100=8000, 3100: again, 1720: -");
+    expect(frames_of(r, off, read_wide_position{wide_position::mechanical}),
+           "0C1A: needs_init, 0B3A: - \" \" \"");
     expect(frames_of(r, off, read_wide_position{wide_position::encoder}),
            "0C1A: needs_init, 0B4D: - \" \" \"");
     expect(frames_of(r, off, read_fault{1}),
@@ -334,11 +391,17 @@ TEST_CASE("the frames of a ZLAC8015D's commands, and what each word that they re
     expect(frames_of(r, off, resolution{10}),
            "20A2: busy - \" \" \" \" \" \" \" \" \", 2022=000A, 2022: unexpected_value");
     expect(frames_of(r, off, clear_position{}), "20A2: busy - \" \" \" \" \" \" \" \" \", 2005=0003 0003");
+    expect(
+        frames_of(r, off, (current_limits{3000 * milliampere, 4000 * milliampere})),
+        "20A2: busy - \" \" \" \" \" \" \" \" \", 2033=001E 0028, 2033: unexpected_value \", 2063=001E 0028, "
+        "2063: unexpected_value \"");
     expect(frames_of(r, off, (ramps{100 * millisecond, 200 * millisecond})), "2080=0064 0064 00C8 00C8");
     expect(frames_of(r, off, quick_stop_ramp{50 * millisecond}), "2084=0032 0032");
     expect(frames_of(r, in(operating_mode::velocity, synchronous), wait_standstill{}),
            "20A2: again - \" faulted \" - \" \" \" again \", 200D: needs_init");
     expect(frames_of(r, off, read_feedback{}), "20A2: - \" \" \" \" \" \" \" \" \" \"");
+    expect(frames_of(r, off, set<max_motor_speed>{300}),
+           "20A2: busy - \" \" \" \" \" \" \" \" \", 2008=012C, 2008: unexpected_value");
 }
 
 } // namespace frames_of_commands_tests
