@@ -94,22 +94,48 @@ TEST_CASE("G1: a byte while a request waits begins the quarantine anew; one of a
     }
 }
 
-TEST_CASE("G2: bytes of another node while a request leaves: no response begins before a gap after them") {
-    for (const std::uint32_t after : {100u, 30'000u}) { // one that follows at once, and one after a gap
-        CAPTURE(after);
+TEST_CASE("G1: 00 in the quarantine begins it anew: it may be of a late response") {
+    rig<polls> r{[](scripted_port&, const sent_frame&) {}};
+    CHECK(r.ask(read_one) == errc::timeout);
+    const std::uint64_t at = r.port.time + 50'000;
+    r.port.arrive(at, 0x00);
+    CHECK(is_about(next_after(r, at), quarantine + t3_5));
+}
+
+TEST_CASE(
+    "G2: after a byte of another node while a request leaves a response begins after a gap, not at once") {
+    const auto ask = [](std::uint8_t byte, std::uint32_t pause) {
         rig<polls> r;
         r.limits.response = milliseconds(200);
-        r.port.takes_at_most = 1;
-        bool is_first = true;
         r.port.device = [&](scripted_port& p, const sent_frame& f) {
-            if (!is_first) return;
-            is_first = false;
-            p.arrive(f.end - 300, 0x42);
-            p.say_at(f.end - 300 + after, one_word);
+            p.arrive(f.end - 150, byte);
+            p.say_at(f.end + pause, one_word);
         };
-        // The response that follows without a gap is the rest of a frame of another node.
-        CHECK(r.ask(read_one) == (after < 1000 ? errc::timeout : errc::ok));
-    }
+        return r.ask(read_one);
+    };
+    CHECK(ask(0x42, 50) == errc::timeout); // the rest of a frame of that node
+    CHECK(ask(0x42, 30'000) == errc::ok);
+    CHECK(ask(0x00, 50) == errc::ok); // of a driver that is switched
+    CHECK(ask(0xFF, 50) == errc::ok);
+}
+
+TEST_CASE("an adapter that receives what it sends, or noise meanwhile, keeps no response away") {
+    rig<polls> echo{answering(500)};
+    echo.port.echoes = true;
+    CHECK(echo.ask(read_one) == errc::ok);
+    rig<polls> noisy{saying(one_word, 3000)};
+    noisy.port.noisy_until = noisy.port.time + t3_5 + 300;
+    CHECK(noisy.ask(read_one) == errc::ok);
+}
+
+TEST_CASE("G2: a part of a response before the port is lost is not judged") {
+    rig<polls> r;
+    r.port.device = [](scripted_port& p, const sent_frame&) {
+        p.say(500, byte_list(one_word.begin(), one_word.begin() + 3));
+        p.lost_from_call = p.calls + 1500;
+    };
+    r.limits.response = milliseconds(500);
+    CHECK(r.ask(read_one) == errc::port_lost);
 }
 
 TEST_CASE("G5: of the bytes before a response so many are skipped as the limits say, and only 00 and FF") {
@@ -141,6 +167,14 @@ TEST_CASE("G2: a response after the frame of another node counts after a gap, of
     CHECK(ask(other, 2'100) == errc::ok);
     CHECK(ask(bad, 2'100) == errc::timeout);
     CHECK(ask(bad, 30'000) == errc::ok);
+    rig<polls> two; // the CRC of the second frame is its own
+    two.limits.response = milliseconds(200);
+    two.port.device = [&](scripted_port& p, const sent_frame&) {
+        p.say(500, bad);
+        p.say_at(p.last_arrival() + 30'000, other);
+        p.say_at(p.last_arrival() + 2'100, one_word);
+    };
+    CHECK(two.ask(read_one) == errc::ok);
 }
 
 TEST_CASE("a port that fails ends the exchange with its error, and the next one is in order") {
