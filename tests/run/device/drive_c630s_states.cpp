@@ -558,16 +558,4 @@ TEST_CASE(
     CHECK(stopped < played);
 }
 
-TEST_CASE("a read right after another one takes no longer: it does not wait for a period") {
-    rig r;
-    REQUIRE(r.make_ready());
-    const auto time_of_a_read = [&] {
-        const auto begun = r.wire.time_us();
-        CHECK(r.drive.read());
-        return r.wire.time_us() - begun;
-    };
-    const auto first = time_of_a_read();
-    CHECK(time_of_a_read() <= first + 1000);
-}
-
 } // namespace drive_c630s_states_tests
