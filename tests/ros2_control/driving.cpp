@@ -81,7 +81,8 @@ TEST_CASE("commands that change at 50 Hz are followed within the limits, whateve
             steepest = std::max(steepest, std::abs(now - before) * 50);
             before = now;
             if (i > 10)
-                CHECK(std::abs(now - 8 * std::sin(world::turn * (i - 3) / 100)) < 2.6); // a command takes some iterations
+                CHECK(std::abs(now - 8 * std::sin(world::turn * (i - 3) / 100)) <
+                      2.6); // a command takes some iterations
         }
         CHECK(fastest > 7.5);
         CHECK(steepest < 3.2 * 50); // between two looks a step for three iterations

@@ -5,6 +5,7 @@
 //     > 01 06 20 0E 00 08 = echo     a request without its CRC, and the response
 //     wait 500                       milliseconds
 //     restart                        the drive is switched off and on
+//     switch enables_without_mode=yes    the simulated drive's switch under which the sequence plays
 // The response is `echo`, the request's own bytes; `ack10`, the acknowledgement of 10h; or its bytes without the CRC.
 // `ex` is any exception, `any` anything else, and `moves` a word that is not 0. A comment stands behind #.
 #pragma once

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// The frames of a command as text, and how it ends if the drive reports another word in one of them: a command that reads
-// less, or does not judge what it reads, has another text.
+// The frames of a command as text, and how it ends if the drive reports another word in one of them. A command that
+// reads less, or does not judge what it reads, has another text.
 #pragma once
 
 #include <cstddef>
@@ -88,9 +88,13 @@ inline bool is_same(const std::vector<frame>& one, const std::vector<frame>& oth
     return true;
 }
 
-/// `0605=0064 00C8` is a write. `0605: busy` is a read, and the error if it reports another word; `again`: the command
-/// goes on otherwise, as by another read; `-`: nothing depends on it; `"`: of the next word likewise; `faulted|busy`: of
-/// single bits of a status. Of equal reads one after another, as in a wait, the first counts.
+/// `0605=0064 00C8` is a write. `0605: busy` is a read, and the error if it reports another word. Others than errors:
+/// - `again`: the command goes on otherwise, as by another read
+/// - `-`: nothing depends on it
+/// - `"`: as for the word before it
+/// - `faulted|busy`: for single bits of a status
+///
+/// The first of equal reads one after another counts, as in a wait.
 template <class Rig, class Prepare, class Command>
 std::string frames_of(Rig& r, Prepare prepare, const Command& wanted) {
     const auto play = [&](std::size_t frame, std::size_t word, u16 bits = 0) {

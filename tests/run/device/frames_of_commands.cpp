@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSL-1.0
 //
 // The frames of the commands, in the order of the manuals' procedures and of the rules in the `routines.hpp` of each
-// device; and that each word that a command reads decides: the registers that it relies on, and what it reads back.
+// device. Each word that a command reads decides: those of registers that it relies on, and what it reads back.
 #include <string>
 
 #include <doctest/doctest.h>

@@ -104,7 +104,7 @@ class axes_model : public counted_model {
 };
 
 namespace detail {
-/// One axis of the two, now.
+/// A wheel's axis at a time.
 struct axis_now {
     const axes_model& model;
     wheels which;
@@ -274,13 +274,12 @@ template <class Line> class axes : public basic_drive<Line, axes_model> {
     constexpr axis_of_drive<axes> left() { return {*this, wheels::left}; }
     constexpr axis_of_drive<axes> right() { return {*this, wheels::right}; }
     constexpr const axis_place& place(wheels which) const { return this->model().place(which); }
-    /// What the facade knows of both axes.
+    /// The model of both axes.
     constexpr const axes_model& model_of_axes() const { return this->model(); }
 
-    /// Limits the speeds of both axes and their changes: `top`, and the times from standstill to it and back.
-    /// `travel_at` shapes its setpoints by them, `travel_to` and `travel_by` are refused: the next `init` writes ramps of
-    /// 10 ms, and the time in which the drive stops without the program, no harder than the limits. Errors as
-    /// `robot::set_limits`.
+    /// Limits the speeds of both axes: `top`, and the times from standstill to it and back. `travel_at` shapes its
+    /// setpoints by them, `travel_to` and `travel_by` are refused. The next `init` writes ramps of 10 ms, and the time
+    /// in which the drive stops without the program, no harder than the limits. Errors as `robot::set_limits`.
     constexpr errc set_limits(const axis_profile& left, const axis_profile& right) {
         const result<motor_speed> left_top = place(wheels::left).geometry().motor_speed_of(left.top);
         const result<motor_speed> right_top = place(wheels::right).geometry().motor_speed_of(right.top);

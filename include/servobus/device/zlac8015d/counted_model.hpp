@@ -31,7 +31,7 @@ class counted_model : public model {
     }
 
   protected:
-    /// The times in which the drive stops without the program, 2084h and 2085h. With them, `init` writes short ramps too.
+    /// The times in which the drive stops without the program, 2084h and 2085h. `init` writes them with short ramps.
     struct stop_times {
         std::uint16_t left_ms = 0; ///< 0: the ramps stay as they are
         std::uint16_t right_ms = 0;

@@ -51,7 +51,7 @@ class robot_model : public counted_model {
     constexpr std::uint16_t epoch() const { return epoch_; }
     constexpr void set_pose(const plane_pose& to) { odometry_.set(to); }
 
-    /// Of both wheels.
+    /// Limits both wheels.
     constexpr void set_limits(const speed_limits& to) {
         shaped_.set_limits(to);
         const std::uint16_t more = to.acceleration > to.deceleration ? to.acceleration : to.deceleration;
@@ -268,10 +268,10 @@ template <class Line> class robot : public basic_drive<Line, robot_model> {
     }
 
     /// Where the robot was at the pose's time, when the request for the last feedback began to leave. While the robot
-    /// is to move and is seen where it stood, a late response would show the same: the time is up to 250 ms earlier.
-    /// The pose begins at x 0, y 0, heading 0 with the first feedback. It is not continuous after a restart of the drive,
-    /// `init`, a lost port or cleared positions. Nor is it after a gap between two feedbacks in which the path may have
-    /// left its arc by more than 0.75 mm. `set_pose` makes it continuous again.
+    /// is to move and is seen where it stood, the time is up to 250 ms earlier: it may be a late response. The pose
+    /// begins at x 0, y 0, heading 0 with the first feedback. It is not continuous after a restart of the drive,
+    /// `init`, a lost port or cleared positions. Nor is it after a gap between two feedbacks in which the path may
+    /// have left its arc by more than 0.75 mm. `set_pose` makes it continuous again.
     constexpr plane_pose pose() const {
         plane_pose p = this->model().pose();
         const bool is_same = this->model().epoch() == this->machine().known().epoch_of_positions();

@@ -30,7 +30,7 @@ struct speed_limits {
     std::uint16_t top = 0x7FFF;
     std::uint16_t stop_ms = 500; ///< in which the drive stops without the program: 2084h
 
-    /// Of a profile whose top speed is so many 0.1 r/min of a motor. Errors: `bad_argument` for a profile that is not
+    /// The limits of a profile whose top speed is `top` of a motor. Errors: `bad_argument` for a profile that is not
     /// whole or has a start; `out_of_range` above 3276 r/min, 6553 r/min in a second, or 17 s.
     static constexpr result<speed_limits> of(const axis_profile& by, std::int32_t top) {
         if (!by.is_whole() || by.start.count() != 0) return errc::bad_argument;
