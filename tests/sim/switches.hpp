@@ -289,8 +289,8 @@ template <> struct switches_of<servobus::sim::zlac8015d_options> {
         detail::row<&options::code>("fault code"),
         detail::row<&options::by_fault>("a fault switches off"),
         detail::row<&options::code_1>("brake code 1"),
-        // Not all promises hold yet where these are switched [B30, B31, B36].
-        detail::fixed<&options::idle_shaft>("shaft without power"),
+        // Not all promises hold yet where the speeds of moves are switched [B31].
+        detail::row<&options::idle_shaft>("shaft without power"),
         detail::fixed<&options::shows_speed_of_moves>("shows speed of moves"),
         detail::row<&options::position_start>("position start"),
         detail::row<&options::enables_without_mode>("enables without mode"),

@@ -15,9 +15,9 @@ namespace zlac8015d_interpretations {
 using options = servobus::sim::zlac8015d_options;
 
 inline const std::vector<unsigned> sizes{2, 2, 2, 2, 2, 2, 3, 2, 2, 2};
-/// Those that only the field has shown to be open. Two are in their default position, since not all promises hold yet
-/// in the other one [B30, B31].
-inline const std::vector<unsigned> other_sizes{1, 1, 2, 2, 2, 2};
+/// Those that only the field has shown to be open. The speeds of moves are in their default position, since not all
+/// promises hold yet in the other one [B31].
+inline const std::vector<unsigned> other_sizes{2, 1, 2, 2, 2, 2};
 
 /// The number of positions of each switch of `options_of`.
 inline std::vector<unsigned> switches() {

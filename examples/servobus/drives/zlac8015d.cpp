@@ -19,17 +19,23 @@
 namespace tool {
 namespace {
 
-// A wheel rests if its shaft is released, or in alarm, and it does not turn. A locked one is enabled, or held
-// from power-on, and one in emergency stop is held. The running bits may not tell of a wheel that rolls, nor
-// the shaft's bits of a drive that is enabled in torque mode [errata B30, B31].
+// A wheel rests if its shaft is released, or in alarm, and it does not turn. A locked one is enabled, or held from
+// power-on. One in emergency stop is held, unless the last command, which 200Eh keeps, leaves it without power. The
+// running bits may not tell of a wheel that rolls, nor the shaft's bits of a drive that is enabled in torque mode
+// [errata B30, B31].
 repose zlac8015d_at_rest(session& on) {
     namespace zlac = servobus::zlac8015d;
     std::array<u16, 1> word{};
     if (const auto why = read_words(on, zlac::status_word.address, word); !is_ok(why)) return {why, {}};
     const auto status = zlac::status_flags::from_word(word[0]);
     if (status.is_running()) return {{}, "a wheel turns; stop it first"};
+    std::array<u16, 1> last{};
+    if (const auto why = read_words(on, zlac::control_word.address, last); !is_ok(why)) return {why, {}};
+    const bool is_off = last[0] == static_cast<u16>(zlac::control_code::stop) ||
+                        last[0] == static_cast<u16>(zlac::control_code::undefined);
     for (const zlac::axis_status& axis : {status.left, status.right}) {
-        if (axis.shaft == zlac::shaft_state::locked || axis.shaft == zlac::shaft_state::emergency_stop)
+        if (axis.shaft == zlac::shaft_state::locked ||
+            (axis.shaft == zlac::shaft_state::emergency_stop && !is_off))
             return {{}, "a shaft is held, the drive is enabled; control_word=stop releases it"};
     }
     std::array<u16, 2> speeds{};

@@ -281,7 +281,10 @@ template <class Model, class Exchange> class drive_machine : public detail::comm
         switch (found) {
         case verdict::as_expected: break;
         case verdict::uncertain: known_.link().require_check(); break;
-        case verdict::held: known_.note_cause(stop_cause::input); break;
+        case verdict::held:
+            known_.note_cause(stop_cause::input);
+            known_.link().require_check(); // a restart may look like that
+            break;
         case verdict::disabled:
             note_restart();
             if constexpr (Model::stops.after_restart) {

@@ -209,4 +209,43 @@ TEST_CASE(
     });
 }
 
+TEST_CASE("S5, B30: a restarted drive that shows an emergency stop without power is not taken for one that "
+          "an input "
+          "holds") {
+    for (const options::idle shown : {options::idle::emergency, options::idle::released})
+        for (const bool was_stopped : {false, true}) {
+            options of;
+            of.idle_shaft = shown;
+            rig r{of};
+            run_at_speed(r);
+            if (was_stopped) REQUIRE(r.drive.run(quick_stop{}));
+            CAPTURE(static_cast<int>(shown));
+            CAPTURE(was_stopped);
+            r.model.power_cycle();
+            (void)r.drive.read();
+            CHECK(r.drive.run(velocity{20 * r_per_min, 20 * r_per_min}).error() == errc::needs_init);
+            CHECK(r.drive.state() == drive_state::needs_init);
+            if (!was_stopped) CHECK(r.drive.cause() == stop_cause::restart); // the first cause counts
+            CHECK(r.drive.run(enable{}).error() == errc::needs_init);        // the ramps are the factory's
+            CHECK_FALSE(r.model.enabled());
+        }
+}
+
+TEST_CASE("B30: a stop by an input is one, whatever a drive shows without power") {
+    for (const options::idle shown : {options::idle::emergency, options::idle::released}) {
+        options of;
+        of.idle_shaft = shown;
+        rig r{of};
+        run_at_speed(r);
+        r.model.set_input(true, false);
+        REQUIRE(r.live(milliseconds(1500)));
+        CHECK(r.drive.state() == drive_state::quick_stopped);
+        CHECK(r.drive.cause() == stop_cause::input);
+        r.model.set_input(false, false);
+        CHECK(r.drive.run(enable{}));
+        CHECK(r.model.enabled());
+        CHECK(r.model.peek(0x2080) == 100); // its ramps
+    }
+}
+
 } // namespace interpretations_zlac8015d_tests

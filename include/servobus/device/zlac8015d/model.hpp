@@ -105,7 +105,8 @@ class model {
     static constexpr void note(const block_feedback&, const settings&) {}
     /// A restart loses the mode.
     static constexpr steps::recheck witness(const settings& known, const prepared_command&) {
-        return {.look = known.state == drive_state::enabled ? routines::same_mode : nullptr,
+        const bool has_mode = known.state >= drive_state::enabled; // or it was stopped quickly
+        return {.look = has_mode ? routines::same_mode : nullptr,
                 .words = {static_cast<std::uint16_t>(known.mode)}};
     }
     /// A little shorter than the drive's own, 2000h, which counts from the last request that it received. A
