@@ -47,9 +47,9 @@ struct counts {
 class run {
   public:
     run(std::uint64_t seed, counts& played)
-        : random_{seed}, played_{played}, machine_{machines[seed % 2]}, w_{machine_.is, machine_.said,
-                                                                           options(),   supervision_of(),
-                                                                           seed,        node_of()} {}
+        : random_{seed}, played_{played}, machine_{machines[seed % 2]}, w_{machine_.is,   machine_.said,
+                                                                           options(seed), supervision_of(),
+                                                                           seed,          node_of()} {}
 
     /// How far the worst continuous pose was from the truth, mm.
     long double play() {
@@ -61,11 +61,13 @@ class run {
     }
 
   private:
-    sim::zlac8015d_options options() {
+    sim::zlac8015d_options options(std::uint64_t seed) {
         interpretations::choice c;
         for (const unsigned size : zlac8015d_interpretations::sizes)
             c.push_back(one_in(3) ? random_.below(size) : 0);
-        c.resize(zlac8015d_interpretations::switches().size());
+        sim::dice other{seed + 77}; // of their own, so that a seed lives as it did before they were there
+        for (const unsigned size : zlac8015d_interpretations::other_sizes)
+            c.push_back(other.below(3) == 0 ? other.below(size) : 0);
         return zlac8015d_interpretations::options_of(c);
     }
     supervision supervision_of() {
