@@ -23,13 +23,24 @@ int main(int argc, char** argv) {
     line wire{port, modbus::timing_at(robot::z::device::facts.baud)};
     robot::robot bot{wire};
     host::watch_for_interruptions();
+    bool is_new = false;
     bot.enable();
     for (instant shown = wire.now(); !host::is_interrupted();) {
         bot.drive({150_mm_per_s, 300_mrad_per_s});
         wire.sleep(bot.step());
-        if (const loop_report ended = bot.take_report())
+        if (const loop_report ended = bot.take_report()) {
             std::printf("%s: %s; drive %s, cause %s, %s\n", text(ended.what), text(ended.how.error()),
                         text(bot.state()), text(bot.cause()), text(bot.faults().first()));
+            // Once in a drive's life: its speeds are finer from the next power-on. Who switches it on consents.
+            if (ended.at == take_over_part::power_cycle) {
+                is_new = true;
+                std::puts("Switch the drive off and on: then the robot drives.");
+            } else if (is_new && ended.what == loop_part::take_over && ended.how) {
+                is_new = false;
+                bot.is_at({}); // it has not moved yet
+                bot.enable();
+            }
+        }
         if (since(shown, wire.now()) < milliseconds(1000)) continue;
         shown = shown + milliseconds(1000);
         const plane_pose p = bot.pose();

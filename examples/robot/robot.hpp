@@ -18,6 +18,7 @@ namespace z = servobus::zlac8015d;
 inline constexpr feed wheel =
     rolling(534_mm, counts_per_turn{4096}); // measured over ten turns; 4 x the encoder's lines
 inline constexpr auto base = differential::of({.left = wheel, .right = mirrored(wheel), .track = 400_mm});
+// A new drive is reported once as `power_cycle`: it keeps the resolution, and counts so from the next power-on.
 inline constexpr take_over set_up{z::resolution{10}, z::watchdog{500_ms}};
 // Of a wheel over the ground. The robot shapes its setpoints by them.
 inline constexpr axis_profile limits{.top = 1200_mm_per_s, .acceleration = 600_ms, .deceleration = 400_ms};

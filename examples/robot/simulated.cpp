@@ -88,6 +88,10 @@ class world {
 int main(int argc, char** argv) {
     world w;
     constexpr twist curve{300_mm_per_s, 500_mrad_per_s}, straight{300_mm_per_s, 0_rad_per_s};
+    w.go("a new drive keeps 2022h", 1000);
+    w.drive.power_cycle();
+    w.go("switched off and on", 2000);
+    w.tell();
     w.bot.enable();
     w.go("enabled", 1000);
     w.go("a curve", 5000, curve);

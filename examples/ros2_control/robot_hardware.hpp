@@ -208,6 +208,9 @@ template <class Port> class robot_hardware {
         if (drive_->state() == drive_state::faulted)
             return faults_of(*drive_) + "; parameter reset_faults lets an activation reset them";
         if (ready) return {};
+        if (ready.part() == take_over_part::power_cycle)
+            return "the drive has a new resolution of speeds (2022h): switch it off and on, then activate "
+                   "again";
         constexpr const char* settings[] = {"",         " (resolution)", " (watchdog_ms)",
                                             " (ramps)", " (stop_ms)",    " (2011h)"};
         return std::string{"the drive is not taken over: "} + text(ready.part()) + settings[ready.setting()] +

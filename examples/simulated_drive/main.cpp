@@ -3,8 +3,8 @@
 //
 // A simulated ZLAC8015D on a pseudo-terminal, in place of a machine: node 1 at 115200 Bd.
 //     simulated_drive LINK      makes LINK, which programs open like a serial port, and runs until Ctrl-C
-// SIGUSR1 pulls the plug of its line, and the next one puts it back. `servobus sim` does this for every drive, with the
-// pace of a wire and with faults at will.
+// SIGUSR1 pulls the plug of its line, and the next one puts it back. SIGUSR2 switches it off and on. `servobus sim`
+// does this for every drive, with the pace of a wire and with faults at will.
 #include <csignal>
 #include <cstdint>
 #include <cstdio>
@@ -19,6 +19,7 @@ namespace {
 
 volatile std::sig_atomic_t is_stopped = 0;
 volatile std::sig_atomic_t is_unplugged = 0;
+volatile std::sig_atomic_t is_cycled = 0;
 
 } // namespace
 
@@ -33,6 +34,7 @@ int main(int argc, char** argv) {
     (void)std::signal(SIGINT, [](int) { is_stopped = 1; });
     (void)std::signal(SIGTERM, [](int) { is_stopped = 1; });
     (void)std::signal(SIGUSR1, [](int) { is_unplugged = is_unplugged != 0 ? 0 : 1; });
+    (void)std::signal(SIGUSR2, [](int) { is_cycled = 1; });
 
     sim::zlac8015d drive;
     modbus::server served{drive.address(), drive, modbus::timing_at(drive.baud())};
@@ -40,6 +42,8 @@ int main(int argc, char** argv) {
     (void)std::fflush(stdout);
     while (is_stopped == 0) {
         const instant now = port.now();
+        if (is_cycled != 0) drive.power_cycle();
+        is_cycled = 0;
         drive.advance(now); // its motors turn while no one asks
         std::uint8_t arrived[modbus::max_frame];
         const transfer came = port.receive(arrived);

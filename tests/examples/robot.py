@@ -23,6 +23,9 @@ def consent(job: Job):
 def interruption(job: Job, number: signal.Signals):
     with job.simulated(DEVICE) as drive:
         program = job.begin(drive)
+        new = until(lambda: "Switch the drive off and on" in program.out)
+        job.check("a new drive is to be switched off and on", new, program.out)
+        drive.send(signal.SIGUSR2)
         moved = until(lambda: re.search(r"^x [1-9]\d+ mm, y .*urad$", program.out, re.M))
         job.check("it says where the robot is, and that the pose is continuous", moved, program.out)
         job.ends(program, number)

@@ -144,6 +144,25 @@ TEST_CASE("counts that contradict the drive's encoder lines fail the activation,
     }
 }
 
+TEST_CASE("a new drive is activated once it was switched off and on") {
+    world w;
+    w.drive.store(servobus::zlac8015d::speed_resolution.address, 1);
+    w.drive.power_cycle();
+    w.begin();
+    for (int i = 0; i < 3; ++i) {
+        CHECK(w.component.state() == primary::PRIMARY_STATE_INACTIVE);
+        CHECK(w.drive.enables() == 0);
+        REQUIRE(!w.errors().empty());
+        CHECK(w.errors().back() == "base: the drive has a new resolution of speeds (2022h): switch it off "
+                                   "and on, then activate again");
+        w.component.activate();
+    }
+    CHECK(w.drive.saves() == 1);
+    w.drive.power_cycle();
+    w.component.activate();
+    CHECK(w.component.is_active());
+}
+
 TEST_CASE("a watchdog that a lost frame would exceed is refused by the activation") {
     world w;
     auto info = description();

@@ -125,6 +125,8 @@ struct world {
 
     explicit world(sim::zlac8015d_options options = {}, std::uint64_t seed = 1)
         : drive{options}, wire{115200, seed} {
+        drive.store(servobus::zlac8015d::speed_resolution.address, 10); // as an activation before has left it
+        drive.power_cycle();
         wire.attach(station);
         virtual_port::wire = &wire;
         virtual_port::opened = 0;

@@ -140,6 +140,10 @@ int main(int argc, char** argv) {
     check("the URDF's description is accepted", base.state() == primary::PRIMARY_STATE_UNCONFIGURED);
     base.configure();
     base.activate();
+    check("a new drive is not activated before it was switched off and on", !base.is_active());
+    (void)::kill(simulator, SIGUSR2);
+    std::this_thread::sleep_for(std::chrono::milliseconds(100));
+    base.activate();
     check("the drive on the port is activated", base.is_active());
     base.command(4, -4);
     check("it drives for 2 s", at_100_hz.run(2000) == return_type::OK);

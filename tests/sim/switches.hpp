@@ -296,6 +296,7 @@ template <> struct switches_of<servobus::sim::zlac8015d_options> {
         detail::row<&options::enables_without_mode>("enables without mode"),
         detail::row<&options::speed_ramp>("speed ramp"),
         detail::row<&options::checks_option_codes>("checks option codes"),
+        detail::row<&options::rescales_immediately>("rescales immediately"),
     };
 };
 

@@ -87,6 +87,16 @@ static_assert(begins_with_what_may_be_first(tables::init) &&
 static_assert(begins_with_what_may_be_first(tables::disable) &&
               begins_with_what_may_be_first(tables::quick_stop_after_silence));
 
+// Two tables are parts of others.
+constexpr routine whole_quick_stop = tables::quick_stop;
+static_assert(whole_quick_stop.size() == 4 && whole_quick_stop[0].value == 5);
+static_assert(whole_quick_stop.data() + 4 == routine{tables::quick_stop_after_silence}.end());
+constexpr routine whole_stop = tables::stop_both;
+static_assert(whole_stop.size() == 5 && whole_stop.data() == routine{tables::init}.data());
+static_assert(whole_stop[4].what == step::kind::until && whole_stop.end()->what == step::kind::fetch);
+static_assert(routine{tables::init}.size() == std::size_t{tables::init_size} + tables::to_set_mark);
+static_assert(routine{tables::init}[tables::init_size].address == mode_of_operation.address);
+
 // `start_step` is the step of a move that starts it.
 static_assert(tables::move_both[tables::start_step].address == control_word.address);
 static_assert(tables::move_left[tables::start_step].address == control_word.address);

@@ -35,7 +35,7 @@ template <class Manual> struct interpretations {
 };
 
 struct zlac8015d_manual {
-    static constexpr unsigned alone = 17;
+    static constexpr unsigned alone = 18;
     static std::vector<unsigned> switches() { return zlac8015d_interpretations::switches(); }
     static auto options_of(const choice& c) { return zlac8015d_interpretations::options_of(c); }
 };

@@ -100,6 +100,11 @@ struct driven_zlac8015d {
                                                static_cast<std::uint8_t>(value & 0xFFu)};
         (void)model.write(address, servobus::words_view{word});
     }
+    /// Speeds count 1/n r/min: set, saved and powered off and on before the test.
+    void have_resolution(std::uint16_t n) {
+        model.store(0x2022, n);
+        model.power_cycle();
+    }
     void save_by_hand() {
         set_by_hand(0x2010, 1);
         saves = model.saves();
@@ -110,6 +115,15 @@ struct driven_zlac8015d {
         std::size_t n = 0;
         for (const frame& f : log.frames) n += servobus::same_bytes(f, wanted) ? 1u : 0u;
         return n;
+    }
+};
+
+/// A drive whose speeds count 0.1 r/min, as `resolution{10}` and a power cycle leave it.
+struct finer_zlac8015d : driven_zlac8015d {
+    explicit finer_zlac8015d(servobus::sim::zlac8015d_options options = {},
+                             const servobus::supervision& by = servobus::unsupervised, std::uint64_t seed = 1)
+        : driven_zlac8015d{options, by, seed} {
+        have_resolution(10);
     }
 };
 

@@ -36,6 +36,10 @@ struct bench : tests::model_bench<sim::zlac8015d> {
     void command(control_code c) { set(map::control_word, static_cast<int>(c)); }
     void mode(operating_mode m) { set(map::mode_of_operation, static_cast<int>(m)); }
 
+    void have_resolution(std::int64_t n) {
+        drive.store(map::speed_resolution.address, static_cast<std::uint16_t>(n));
+        drive.power_cycle();
+    }
     map::status_flags status() { return get(map::status_word); }
 
     void silent(std::uint32_t ms) { pass(ms); }

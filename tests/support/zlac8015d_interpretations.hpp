@@ -17,7 +17,7 @@ using options = servobus::sim::zlac8015d_options;
 inline const std::vector<unsigned> sizes{2, 2, 2, 2, 2, 2, 3, 2, 2, 2};
 /// Those that only the field has shown to be open. The speeds of moves are in their default position, since not all
 /// promises hold yet in the other one [B31].
-inline const std::vector<unsigned> other_sizes{2, 1, 2, 2, 2, 2};
+inline const std::vector<unsigned> other_sizes{2, 1, 2, 2, 2, 2, 2};
 
 /// The number of positions of each switch of `options_of`.
 inline std::vector<unsigned> switches() {
@@ -42,7 +42,8 @@ inline options options_of(const interpretations::choice& c) {
             .position_start = static_cast<options::start>(c[12]),
             .enables_without_mode = c[13] != 0,
             .speed_ramp = static_cast<options::ramp>(c[14]),
-            .checks_option_codes = c[15] == 0};
+            .checks_option_codes = c[15] == 0,
+            .rescales_immediately = c[16] != 0};
 }
 
 /// Plays `scenes(options)` under each choice of the drive's switches; it returns how many scenes it played.

@@ -35,6 +35,7 @@ position_start=by_200F
 enables_without_mode=yes
 speed_ramp=begins_anew
 checks_option_codes=no
+rescales_immediately=yes
 """
 YAKO = """servobus-findings format=1 device=yako-closed-loop
 is_enabled_at_power_on=no

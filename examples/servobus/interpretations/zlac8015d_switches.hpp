@@ -53,6 +53,8 @@ inline constexpr option_switch<zlac_options> zlac8015d_switches[] = {
                                         "2080h to 2083h: how a speed is reached [B36]"),
     switched<&zlac_options::checks_option_codes>("checks_option_codes",
                                                  "2012h to 2014h take the printed codes alone [B14]"),
+    switched<&zlac_options::rescales_immediately>(
+        "rescales_immediately", "2022h: a new value scales speeds before the next power-on [B21]"),
 };
 inline constexpr auto zlac8015d_interpretations = interpretations_of(zlac8015d_switches);
 

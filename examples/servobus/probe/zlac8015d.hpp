@@ -7,6 +7,7 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
 
 #include <servobus/device/zlac8015d/registers.hpp>
 #include <servobus/device/zlac8015d/values.hpp>
@@ -28,6 +29,7 @@ class zlac8015d_probe : probe_steps {
         option_code();
         if (on_->may("The wheels are held, and turn at 5 r/min, some seconds at a time. They are lifted or "
                      "free to turn.")) {
+            resolution_in_force();
             at_standstill();
             at_low_speed();
             in_torque_mode();
@@ -36,6 +38,7 @@ class zlac8015d_probe : probe_steps {
             one_wheel_at_fault();
             without_a_mode();
             with_changing_targets();
+            with_another_resolution();
             in_position_mode();
         }
         stop();
@@ -66,20 +69,33 @@ class zlac8015d_probe : probe_steps {
 
     void note_old_words() {
         namespace z = servobus::zlac8015d;
-        for (const u16 address :
-             {z::host_timeout.address, z::mode_of_operation.address, z::disable_option_code.address,
-              z::quick_stop_option_code.address, z::max_motor_speed.address,
-              z::left_acceleration_time.address, z::right_acceleration_time.address,
-              z::left_deceleration_time.address, z::right_deceleration_time.address,
-              z::left_target_speed.address, z::right_target_speed.address, z::left_target_torque.address,
-              z::right_target_torque.address, z::left_brake.address, z::right_brake.address,
-              z::halt_option_code.address, z::position_synchronisation.address, z::left_max_speed.address,
-              z::right_max_speed.address})
+        for (const u16 address : {z::host_timeout.address,
+                                  z::mode_of_operation.address,
+                                  z::disable_option_code.address,
+                                  z::quick_stop_option_code.address,
+                                  z::max_motor_speed.address,
+                                  z::left_acceleration_time.address,
+                                  z::right_acceleration_time.address,
+                                  z::left_deceleration_time.address,
+                                  z::right_deceleration_time.address,
+                                  z::left_target_speed.address,
+                                  z::right_target_speed.address,
+                                  z::left_target_torque.address,
+                                  z::right_target_torque.address,
+                                  z::left_brake.address,
+                                  z::right_brake.address,
+                                  z::halt_option_code.address,
+                                  z::position_synchronisation.address,
+                                  z::speed_resolution.address,
+                                  z::left_max_speed.address,
+                                  z::right_max_speed.address})
             old_.note(address);
         old_.note_pair(z::left_target_position.address);
         old_.note_pair(z::right_target_position.address);
         resolution_ = on_->read(z::speed_resolution.address);
         if (resolution_ == 0) resolution_ = 1;
+        const u16 lines = on_->read(z::left_encoder_lines.address);
+        turn_ = 4 * (lines == 0 ? 1024 : lines);
     }
     // --- What the steps are made of
 
@@ -151,6 +167,23 @@ class zlac8015d_probe : probe_steps {
         (void)on_->write(z::left_acceleration_time.address, time);
         (void)on_->write(z::right_acceleration_time.address, time);
     }
+    // In 0.001 r/min, by the way of the left wheel in two seconds. 0 if it hardly turns, or the drive is lost.
+    std::int64_t speed_at(int counts) {
+        namespace z = servobus::zlac8015d;
+        enable();
+        (void)on_->write(z::left_target_speed.address, static_cast<u16>(counts));
+        keep_asking(10); // the ramp
+        const servobus::instant begun = on_->now();
+        const std::int64_t from = read_number(z::left_actual_position.address);
+        keep_asking(20);
+        const std::int64_t way = read_number(z::left_actual_position.address) - from;
+        const std::int64_t took = servobus::since(begun, on_->now()).us;
+        stop();
+        const std::int64_t counted = way < 0 ? -way : way;
+        constexpr std::int64_t least = 20; // counts: a wheel at rest trembles
+        return on_->has_failed() || counted < least || took == 0 ? 0
+                                                                 : counted * 60'000'000 / turn_ * 1000 / took;
+    }
     bool turns_slowly() {
         set_targets(slow, slow);
         return until([&] { return left_speed() >= turning && right_speed() >= turning; }, most);
@@ -171,6 +204,27 @@ class zlac8015d_probe : probe_steps {
         const bool has_code = on_->read(z::left_faults.address) != 0;
         if (has_fault && is_over) found("code", has_code ? "until_restart" : "until_reset");
         old_.put_back(z::max_motor_speed.address);
+    }
+
+    // 2022h counts from a power-on. A few counts are slow whatever they are worth.
+    void resolution_in_force() {
+        const std::int64_t meant = 1000 * slow / resolution_;
+        const std::int64_t speed = speed_at(slow);
+        if (speed == 0 || (2 * speed < 3 * meant && 3 * speed > 2 * meant)) return;
+        on_->give_up("speed_resolution is " + std::to_string(resolution_) +
+                     ", and the wheels turn as with another: switch the drive off and on, and probe again");
+    }
+    // Another 2022h, which is not saved: the same counts are worth something else, or not.
+    void with_another_resolution() {
+        namespace z = servobus::zlac8015d;
+        const bool is_coarse = resolution_ <= 5;
+        const int other = is_coarse ? 2 * resolution_ : resolution_ / 2;
+        stop();
+        (void)on_->write(z::speed_resolution.address, static_cast<u16>(other));
+        const std::int64_t speed = speed_at(slow * (is_coarse ? resolution_ : other));
+        const bool is_whole = 4 * speed > 3 * 1000 * slow; // or half as fast
+        if (speed != 0) found("rescales_immediately", is_whole != is_coarse);
+        old_.put_back(z::speed_resolution.address);
     }
 
     // Bits 0 and 8 of a drive that holds its wheels; then the shaft's bits after a quick stop.
@@ -369,6 +423,7 @@ class zlac8015d_probe : probe_steps {
     }
 
     int resolution_ = 1;
+    std::int64_t turn_ = 4096; // counts of the left wheel
     bool is_running_at_rest_ = false;
 };
 

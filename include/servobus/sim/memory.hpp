@@ -111,6 +111,8 @@ template <std::uint16_t First, std::size_t Size> class register_memory {
     /// Counts writes of the EEPROM besides those of `keep`.
     constexpr void wear(std::uint32_t writes) { eeprom_writes_ += writes; }
 
+    /// Sets a word of the EEPROM alone.
+    constexpr void set_eeprom(std::uint16_t address, std::uint16_t word) { eeprom_[slot(address)] = word; }
     /// Copies the chosen rows from the EEPROM.
     constexpr void recall(choice which) {
         for (const entry& e : index_->rows()) {

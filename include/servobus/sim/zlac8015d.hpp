@@ -49,7 +49,7 @@
 //     06h clears the faults whose cause has ended (and their code: `options::code`); the drive is disabled
 //     then. A commanded speed above 2008h in velocity mode is the fault 2000h, enabled or not.
 // 12  2010h saves `options::save`, in any state. 2009h restores all rows, in the EEPROM too. Node address and
-//     baud rate take effect at the next power cycle.
+//     baud rate take effect at the next power cycle, and so does 2022h: `options::rescales_immediately`.
 // 13  An engaged brake (201Ah/201Bh; the code: `options::code_1`) blocks its wheel; a wheel that is driven
 //     against it for 2035h/2065h has the fault overload. Parking mode (200Ch) brakes the wheels of a drive
 //     that is not enabled. 2019h, which inverts B0 and B1, is not modelled: `options::code_1` has the same
@@ -172,6 +172,9 @@ class zlac8015d : private detail::zlac8015d_core {
         switch_on();
     }
 
+    /// Puts a word into the EEPROM, as if a program had saved it long ago. It holds from the next `power_cycle()`.
+    constexpr void store(std::uint16_t address, std::uint16_t word) { memory_.store(address, word); }
+
     /// Raises faults of each wheel, as a set or as one `fault`; their causes last until `end_faults`.
     constexpr void raise(faults left, faults right) {
         left_.raise(left.bits);
@@ -230,6 +233,8 @@ class zlac8015d : private detail::zlac8015d_core {
         return memory::covers(address) ? memory_[address] : std::uint16_t{0};
     }
 
+    /// The counts of a commanded speed in 1 r/min, as they are in force: 2022h may be another value already.
+    constexpr std::uint16_t resolution() const { return memory_.resolution(); }
     /// Unit address and baud rate in effect since the last power-on.
     constexpr std::uint8_t address() const { return unit_; }
     constexpr std::uint32_t baud() const { return baud_; }

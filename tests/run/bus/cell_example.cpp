@@ -67,6 +67,7 @@ struct floor_of {
     void bring_to_the_shared_settings() {
         const auto& needs = cell::shared.changes;
         put(wheels, needs[0].rate.address, needs[0].rate.code);
+        put(wheels, zlac8015d::speed_resolution.address, 10);
         put(wheels, zlac8015d::save_parameters.address, 1);
         wheels.power_cycle();
         lift.set_switches(2);

@@ -134,7 +134,7 @@ struct events {
 };
 
 template <class Loop> struct robot {
-    simulated::driven_zlac8015d r{{}, supervised};
+    simulated::finer_zlac8015d r{{}, supervised};
     Loop loop{r.drive};
     std::vector<simulated::frame> frames; // all but the reads of the feedback and of the witness
     std::size_t seen = 0;
@@ -277,7 +277,7 @@ namespace {
 
 // Wheels in a loop, with all that was reported.
 struct rig {
-    simulated::driven_zlac8015d r{{}, supervised};
+    simulated::finer_zlac8015d r{{}, supervised};
     setpoint_loop<wheels_drive, decltype(wheel_settings), enable, setpoints<z::velocity>> loop{
         r.drive, wheel_settings, enable{}, setpoints<z::velocity>{}};
     std::vector<loop_report> reports;
@@ -545,7 +545,10 @@ TEST_CASE("a take-over that fails otherwise than before is reported again") {
 TEST_CASE("G44: after a loss the drive is taken over again, and stays at rest until a consent") {
     rig t;
     t.enable_and_turn();
-    SUBCASE("a restart") { t.r.model.power_cycle(); }
+    SUBCASE("a restart") {
+        t.r.model.power_cycle();
+        t.go(40, 30); // the next feedback shows it
+    }
     SUBCASE("a lost port") {
         t.r.wire.unplug();
         t.go(2500, 30);
@@ -625,7 +628,7 @@ TEST_CASE("a failure at another part of a take-over is another one") {
 }
 
 TEST_CASE("a setting that fails is reported with its number, and tried again") {
-    simulated::driven_zlac8015d r{{}, supervised};
+    simulated::finer_zlac8015d r{{}, supervised};
     setpoint_loop loop{r.drive, take_over{z::watchdog{500 * millisecond}, z::resolution{11}}};
     std::vector<loop_report> reports;
     const std::uint64_t end = r.wire.time_us() + 3'500'000;
@@ -983,6 +986,8 @@ TEST_CASE("a stop that the drive refuses ends that motion is allowed all the sam
 TEST_CASE("a bus steps the drives, and their loops command them") {
     tests::wheels_and_lift m;
     tests::wheels_and_lift_program p{m.wire};
+    m.wheels_model.store(0x2022, 10);
+    m.wheels_model.power_cycle();
     setpoint_loop wheels{p.wheels, wheel_settings, enable{}, setpoints<z::velocity>{}};
     setpoint_loop lift{p.lift, take_over{disable{}}};
     const auto go = [&](std::uint32_t ms, std::int32_t speed) {

@@ -58,7 +58,7 @@ constexpr auto for_wheels_with_reset =
 } // namespace
 
 TEST_CASE("a take-over runs init, the settings in their order, and a reading") {
-    simulated::driven_zlac8015d r;
+    simulated::finer_zlac8015d r;
     const take_over_status done = r.drive.run(for_wheels);
     REQUIRE(done);
     CHECK(done.part() == part::reading);
@@ -80,14 +80,14 @@ TEST_CASE("a take-over runs init, the settings in their order, and a reading") {
 }
 
 TEST_CASE("a take-over without settings is init and a reading") {
-    simulated::driven_zlac8015d r;
+    simulated::finer_zlac8015d r;
     REQUIRE(r.drive.run(take_over{}));
     CHECK(r.drive.feedback(milliseconds(10)));
 }
 
 TEST_CASE("a take-over sends the frames of its commands, run one by one") {
-    simulated::driven_zlac8015d a;
-    simulated::driven_zlac8015d b;
+    simulated::finer_zlac8015d a;
+    simulated::finer_zlac8015d b;
     REQUIRE(a.drive.run(for_wheels));
     REQUIRE(b.drive.run(init{}));
     REQUIRE(b.drive.run(z::resolution{10}));
@@ -99,7 +99,7 @@ TEST_CASE("a take-over sends the frames of its commands, run one by one") {
 
 TEST_CASE("a take-over that fails says which part and how, and sends nothing more") {
     SUBCASE("init: the drive does not respond") {
-        simulated::driven_zlac8015d r;
+        simulated::finer_zlac8015d r;
         r.wire.set_connected(0, false);
         const auto done = r.drive.run(for_wheels);
         CHECK_FALSE(done);
@@ -108,7 +108,7 @@ TEST_CASE("a take-over that fails says which part and how, and sends nothing mor
         CHECK(done.error() == errc::timeout);
     }
     SUBCASE("a setting that is refused") {
-        simulated::driven_zlac8015d r;
+        simulated::finer_zlac8015d r;
         const auto done = r.drive.run(take_over{z::watchdog{500 * millisecond}, z::resolution{11},
                                                 z::ramps{200 * millisecond, 300 * millisecond}});
         CHECK_FALSE(done);
@@ -121,13 +121,13 @@ TEST_CASE("a take-over that fails says which part and how, and sends nothing mor
         CHECK(r.drive.cached().host_timeout == 500);
     }
     SUBCASE("the number counts without the reset") {
-        simulated::driven_zlac8015d r;
+        simulated::finer_zlac8015d r;
         const auto done = r.drive.run(take_over{with_fault_reset{}, z::resolution{11}});
         CHECK(done.part() == part::setting);
         CHECK(done.setting() == 1);
     }
     SUBCASE("a lost port") {
-        simulated::driven_zlac8015d r;
+        simulated::finer_zlac8015d r;
         r.wire.unplug();
         const auto done = r.drive.run(for_wheels);
         CHECK(done.part() == part::init);
@@ -141,7 +141,7 @@ TEST_CASE("a take-over that fails says which part and how, and sends nothing mor
         bool is_done = false;
         for (std::uint32_t good = 0; !is_done && good < 200; ++good) {
             CAPTURE(good);
-            simulated::driven_zlac8015d r;
+            simulated::finer_zlac8015d r;
             const take_over_status done = for_wheels.run_by(r.drive, [&](const auto& command) {
                 if (const errc refusal = r.drive.begin(command); refusal != errc::ok)
                     return routine_status{refusal};
@@ -167,7 +167,7 @@ TEST_CASE("a take-over that fails says which part and how, and sends nothing mor
 }
 
 TEST_CASE("a fault is reset by a take-over that asks for it, and else reported by the state") {
-    simulated::driven_zlac8015d r;
+    simulated::finer_zlac8015d r;
     REQUIRE(r.drive.run(init{}));
     r.model.raise(z::fault::overcurrent, z::fault::none);
     REQUIRE(r.drive.run(for_wheels));
@@ -271,6 +271,8 @@ TEST_CASE("a C630S that is not set up is not taken over without its set-up") {
 TEST_CASE("a bus takes its drives over while the others go on") {
     tests::wheels_and_lift m;
     tests::wheels_and_lift_program p{m.wire};
+    m.wheels_model.store(0x2022, 10);
+    m.wheels_model.power_cycle();
     REQUIRE(p.all.run(p.wheels, for_wheels));
     REQUIRE(p.wheels.run(enable{}));
     const auto done =

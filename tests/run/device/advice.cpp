@@ -283,6 +283,8 @@ TEST_CASE("YAKO: every error code and the alarm bit have the one advice that the
     CHECK(std::string_view{yako::advice_for(yako::motion_status::from_word(0xFFF7)).cause} ==
           no_fault_advice.cause);
     check_style(no_fault_advice);
+    check_style(zlac8015d::advice_for(drive_state::needs_power_cycle));
+    CHECK(std::string_view{zlac8015d::advice_for(drive_state::disabled).cause} == no_fault_advice.cause);
 }
 
 TEST_CASE("no fault needs no advice, an unknown one has none, and of several faults the first has it") {

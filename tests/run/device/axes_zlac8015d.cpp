@@ -165,7 +165,9 @@ TEST_CASE("each axis has its speed, to the nearest count") {
     CHECK(r.belts.left().begin(travel_at{2.1_m_per_s}) == errc::out_of_range); // 2008h is 1000 r/min
     REQUIRE(r.belts.run(halt{}));
     REQUIRE(r.belts.run(disable{}));
-    REQUIRE(r.belts.run(zlac8015d::resolution{10}));
+    r.model.store(0x2022, 10);
+    r.model.power_cycle();
+    REQUIRE(r.belts.run(init{}));
     REQUIRE(r.belts.run(enable{}));
     REQUIRE(r.belts.left().run(travel_at{20.1_mm_per_s})); // 10.05 r/min
     CHECK(r.model.peek(zlac8015d::left_target_speed.address) == 101);

@@ -311,6 +311,7 @@ TEST_CASE("ramps, parking, watchdog, position clearing, save and factory reset w
 TEST_CASE("2022h scales commands: a speed is exact in every resolution, or refused") {
     for (std::uint16_t n = 1; n <= 10; ++n) {
         rig r;
+        r.have_resolution(n);
         REQUIRE(r.drive.run(init{}));
         REQUIRE(r.drive.run(resolution{n}));
         REQUIRE(r.drive.run(enable_in{operating_mode::velocity}));

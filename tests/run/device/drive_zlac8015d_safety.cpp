@@ -279,9 +279,9 @@ TEST_CASE("G21: a restart is detected by a read, by an enable and by a move") {
     }
     {
         rig r;
+        r.set_by_hand(0x2022, 10); // not saved
         REQUIRE(r.drive.run(init{}));
-        REQUIRE(r.drive.run(resolution{10}));
-        r.model.power_cycle(); // the resolution was not saved
+        r.model.power_cycle();
         CHECK(r.drive.run(enable_in{operating_mode::velocity}).error() == errc::needs_init);
         CHECK(r.drive.state() == drive_state::needs_init);
         CHECK(r.sent(enable_frame) == 0);

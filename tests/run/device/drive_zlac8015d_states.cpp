@@ -186,8 +186,8 @@ TEST_CASE("S4: after a start without a response, motion is seen also if the whee
 
 TEST_CASE("speeds in tenths of a r/min are limited to a word of 3000, and a clamped pair keeps its ratio") {
     rig r;
+    r.have_resolution(10);
     REQUIRE(r.drive.run(init{}));
-    REQUIRE(r.drive.run(resolution{10}));
     REQUIRE(r.drive.run(enable_in{operating_mode::velocity}));
     REQUIRE(r.drive.cached().max_speed > 300);
     const std::size_t frames = r.log.frames.size();

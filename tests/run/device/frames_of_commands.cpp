@@ -385,11 +385,23 @@ TEST_CASE("the frames of a ZLAC8015D's commands, and what each word that they re
     expect(frames_of(r, in(operating_mode::relative_position, asynchronous), move_right_by{40 * pulse}),
            "200D: needs_init, 20A2: busy - \" faulted \" - \" \" \" \" \", 208C=0000 0028, 200E=0012, "
            "200D: needs_init");
-    expect(frames_of(r, off, save{}),
-           "20A2: busy - \" \" \" \" \" \" \" \" \", 200D=0000, 200D: unexpected_value, 2010=0001");
+    expect(
+        frames_of(r, off, save{}),
+        "20A2: busy - \" \" \" \" \" \" \" \" \", 200D=0000, 200D: unexpected_value, 2010=0001, 2010=0000");
     expect(frames_of(r, off, zlac8015d::watchdog{800 * millisecond}), "2000=0320, 2000: unexpected_value");
-    expect(frames_of(r, off, resolution{10}),
-           "20A2: busy - \" \" \" \" \" \" \" \" \", 2022=000A, 2022: unexpected_value");
+    const auto off_with_1_r_per_min = [](auto& d) {
+        for (int i = 0; i < 2; ++i) { // one that has failed in the middle sets its mark once more
+            d.model.store(0x2022, 1);
+            d.model.power_cycle();
+            if (!d.drive.run(init{})) return false;
+        }
+        return d.drive.state() == drive_state::disabled;
+    };
+    expect(
+        frames_of(r, off_with_1_r_per_min, resolution{10}),
+        "20A2: busy - \" \" \" \" \" \" \" \" \", 2022=000A, 2022: unexpected_value, 200D=0000, "
+        "200D: unexpected_value, 2010=0001, 2010=0000, 200D=0003, 200D: unexpected_value, 2022: needs_init");
+    REQUIRE(off_with_1_r_per_min(r));
     expect(frames_of(r, off, clear_position{}), "20A2: busy - \" \" \" \" \" \" \" \" \", 2005=0003 0003");
     expect(
         frames_of(r, off, (current_limits{3000 * milliampere, 4000 * milliampere})),

@@ -171,11 +171,11 @@ TEST_CASE("the status and the settings that a program keeps are those of when it
     const auto& settings = r.drive.cached();
     REQUIRE(status.error() == errc::wrong_state);
     REQUIRE(r.drive.read());
-    REQUIRE(r.drive.run(zlac8015d::resolution{10}));
+    REQUIRE(r.drive.run(zlac8015d::watchdog{700 * units::millisecond}));
     CHECK(r.drive.last());
-    CHECK(r.drive.cached().resolution == 10);
+    CHECK(r.drive.cached().host_timeout == 700);
     CHECK(status.error() == errc::wrong_state);
-    CHECK(settings.resolution == 1);
+    CHECK(settings.host_timeout == 1000);
     static_assert(!std::is_reference_v<decltype(r.drive.last())> &&
                   !std::is_reference_v<decltype(r.drive.cached())>);
     static_assert(!std::is_reference_v<decltype(std::declval<const take_over_status&>().command())> &&

@@ -64,7 +64,9 @@ TEST_CASE("G42: twists become speeds of both wheels in one frame; above the limi
     CHECK(r.sent_speeds(333, -1000) == 1);
     REQUIRE(r.robot.run(halt{}));
     REQUIRE(r.robot.run(disable{}));
-    REQUIRE(r.robot.run(zlac8015d::resolution{10}));
+    r.model.store(0x2022, 10);
+    r.model.power_cycle();
+    REQUIRE(r.robot.run(init{}));
     REQUIRE(r.robot.run(enable{}));
     REQUIRE(r.robot.run(twist{123_mm_per_s, 0_rad_per_s})); // 12.3 r/min
     CHECK(r.sent_speeds(123, -123) == 1);

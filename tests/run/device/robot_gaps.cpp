@@ -28,8 +28,9 @@ struct rig : robots::world {
         : world{machine, base,
                 options, {.feedback = feedback, .command_timeout = milliseconds(2000)},
                 seed,    is_prompt ? prompt(node<zlac8015d::device>{1}) : node<zlac8015d::device>{1}} {
+        drive.store(0x2022, 10);
+        drive.power_cycle();
         REQUIRE(robot.run(init{}));
-        REQUIRE(robot.run(zlac8015d::resolution{10}));
         REQUIRE(robot.run(enable{}));
         live(milliseconds(60));
     }

@@ -164,8 +164,9 @@ TEST_CASE(
                 CAPTURE(k);
                 rig r{reading};
                 if (resolution != 1) {
-                    REQUIRE(r.robot.run(disable{}));
-                    REQUIRE(r.robot.run(zlac8015d::resolution{resolution}));
+                    r.drive.store(zlac8015d::speed_resolution.address, resolution);
+                    r.drive.power_cycle();
+                    REQUIRE(r.robot.run(init{}));
                     REQUIRE(r.robot.run(enable{}));
                 }
                 const ideal wanted{sticks[k], 4000};
@@ -348,8 +349,9 @@ TEST_CASE("limits that are none are refused, and change nothing") {
 TEST_CASE("no wheel is faster than the top speed: both slow down by one factor") {
     for (const std::uint16_t resolution : {std::uint16_t{1}, std::uint16_t{10}}) {
         rig r{options::ramp::linear};
-        REQUIRE(r.robot.run(disable{}));
-        REQUIRE(r.robot.run(zlac8015d::resolution{resolution}));
+        r.drive.store(zlac8015d::speed_resolution.address, resolution);
+        r.drive.power_cycle();
+        REQUIRE(r.robot.run(init{}));
         REQUIRE(r.robot.run(enable{}));
         REQUIRE(r.robot.run(twist_of(1500, 2000))); // 100 and 200 r/min
         r.live(100_ms);

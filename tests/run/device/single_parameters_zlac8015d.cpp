@@ -131,8 +131,8 @@ TEST_CASE("each row that set takes is written once and read back, where the driv
 
 TEST_CASE("set changes what the facade has cached: the top speed limits the next speeds") {
     rig r;
+    r.have_resolution(10);
     REQUIRE(r.drive.run(init{}));
-    REQUIRE(r.drive.run(resolution{10}));
     REQUIRE(r.drive.run(set<max_motor_speed>{300}));
     REQUIRE(r.drive.run(enable{}));
     const std::size_t frames = r.log.frames.size();
@@ -141,7 +141,7 @@ TEST_CASE("set changes what the facade has cached: the top speed limits the next
     REQUIRE(r.drive.run(velocity{300 * r_per_min, 0 * r_per_min}));
     CHECK(r.model.peek(0x2088) == 3000); // tenths, as before
     REQUIRE(r.drive.run(disable{}));
-    REQUIRE(r.drive.run(resolution{1}));
+    REQUIRE(r.drive.run(resolution{10})); // as it is
     CHECK(r.drive.cached().max_speed == 300);
 }
 

@@ -96,7 +96,7 @@ TEST_CASE("why: a ZLAC8015D's command names its states and its mode") {
     const refusal halted = commands::refusal_of(halt{}, together);
     CHECK(halted.error == errc::wrong_state);
     // In any other state; or in this one with another mode, velocity or torque.
-    CHECK(halted.states == set_of({needs_init, disabled, quick_stopped}));
+    CHECK(halted.states == set_of({needs_init, needs_power_cycle, disabled, quick_stopped}));
     CHECK(halted.unmet()->address == 0x200D);
     CHECK(halted.unmet()->codes == (1u << 3 | 1u << 4));
 

@@ -105,6 +105,36 @@ TEST_CASE("B35: 08h before a mode is ignored, or enables a drive that obeys the 
     }
 }
 
+TEST_CASE("B21: a new 2022h scales the speeds from the next power-on if it was saved, or immediately") {
+    for (const bool is_immediate : {false, true}) {
+        for (const bool is_saved : {false, true}) {
+            bench b{{.rescales_immediately = is_immediate}};
+            const auto speed = [&] {
+                b.begin(operating_mode::velocity);
+                CHECK(b.write(0x2088, {20, 20}) == 0);
+                b.run(1000);
+                const std::int64_t got = b.drive.left().speed;
+                b.command(control_code::stop);
+                b.run_until_still();
+                return got;
+            };
+            b.set(map::speed_resolution, 10);
+            if (is_saved) CHECK(b.write(0x2010, {1}) == 0);
+            CHECK(b.get(map::speed_resolution) == 10);
+            CHECK(speed() == (is_immediate ? 2'000'000 : 20'000'000));
+            b.drive.power_cycle();
+            CHECK(b.get(map::speed_resolution) == (is_saved ? 10 : 1));
+            CHECK(speed() == (is_saved ? 2'000'000 : 20'000'000));
+            // The factory's value counts from the next power-on too.
+            CHECK(b.write(0x2009, {1}) == 0);
+            CHECK(b.get(map::speed_resolution) == 1);
+            CHECK(speed() == (is_saved && !is_immediate ? 2'000'000 : 20'000'000));
+            b.drive.power_cycle();
+            CHECK(speed() == 20'000'000);
+        }
+    }
+}
+
 TEST_CASE("B14: 2012h to 2014h take the printed codes, or any word; 2011h keeps its range") {
     for (const bool checks : {true, false}) {
         bench b{{.checks_option_codes = checks}};

@@ -90,7 +90,7 @@ TEST_CASE("velocity: position is the integral of speed") {
 TEST_CASE("velocity: 2022h rescales commanded speeds, and the actual ones stay in 0.1 r/min") {
     for (std::int64_t resolution = 1; resolution <= 10; ++resolution) {
         bench b;
-        b.set(map::speed_resolution, resolution);
+        b.have_resolution(resolution);
         b.begin(operating_mode::velocity);
         b.set(map::left_target_speed, 300);
         b.run(600);
@@ -120,9 +120,10 @@ TEST_CASE("velocity: a target above 2008h causes the fault speed_command on that
     b.command(control_code::fault_reset);
     CHECK(b.get(map::right_faults).bits == 0);
     CHECK(!b.drive.enabled());
-    b.set(map::speed_resolution, 10);
+    b.have_resolution(10);
+    b.set(map::max_motor_speed, 100);
+    b.begin(operating_mode::velocity);
     b.set(map::right_target_speed, 1000); // 100.0 r/min
-    b.command(control_code::enable);
     CHECK(b.drive.enabled());
 }
 

@@ -120,7 +120,7 @@ constexpr std::uint32_t combinations = [] {
         n *= static_cast<unsigned>(i.ways.size());
     return n;
 }();
-static_assert(combinations == 98304);
+static_assert(combinations == 196608);
 
 findings probed(bench& on) {
     findings found{tool::zlac8015d_interpretations};
@@ -177,7 +177,7 @@ TEST_CASE("a probe without consent moves nothing, and leaves open what it did no
     CHECK(on.asked.empty());
     std::size_t open = 0;
     for (std::size_t i = 0; i < found.all().size(); ++i) open += !found.way(i);
-    CHECK(open == 14); // all but the code of a fault and what 2014h takes
+    CHECK(open == 15); // all but the code of a fault and what 2014h takes
     CHECK(words_of(on.model) == before);
 }
 
@@ -204,6 +204,31 @@ TEST_CASE("a ZLAC8015D in alarm is not probed, and that is said") {
     CHECK(on.asked.empty());
     CHECK(on.model.writes() == 0);
     for (std::size_t i = 0; i < found.all().size(); ++i) CHECK_FALSE(found.way(i));
+}
+
+TEST_CASE("a ZLAC8015D whose 2022h is not in force yet is not probed, in whichever resolution it is") {
+    for (std::uint16_t in_force = 1; in_force <= 10; ++in_force) {
+        for (std::uint16_t written = 1; written <= 10; ++written) {
+            CAPTURE(in_force);
+            CAPTURE(written);
+            bench on{{}};
+            on.model.store(z::speed_resolution.address, in_force);
+            on.model.power_cycle();
+            REQUIRE(on.model.write(z::speed_resolution.address, words_view{content_of({{written}})}) == 0);
+            const std::vector<std::uint16_t> before = words_of(on.model);
+            const findings found = probed(on);
+            CHECK(on.fastest <= 12);
+            CHECK(words_of(on.model) == before);
+            CHECK_FALSE(on.model.enabled());
+            CHECK_FALSE(on.has_failed()); // it has its words back
+            const bool differs_much = 10 * in_force > 16 * written || 16 * in_force < 10 * written;
+            if (differs_much) CHECK_FALSE(on.trouble().empty());
+            if (differs_much) CHECK(on.fastest <= 5);
+            if (in_force != written) continue;
+            CHECK(on.trouble().empty());
+            CHECK(found.way(16) == 0u);
+        }
+    }
 }
 
 TEST_CASE("a person who does not know leaves it open") {
@@ -238,6 +263,7 @@ TEST_CASE(
             on.lost_after = n;
             const findings found = probed(on);
             failed += settled(found) < most ? 1u : 0u;
+            CHECK(on.trouble().empty()); // nothing is concluded from what was not read
             CHECK_FALSE(on.model.enabled());
             CHECK(on.model.stands_still());
             CHECK(status_of(on.model) == at_rest);

@@ -11,6 +11,7 @@
 #pragma once
 
 #include <servobus/control/advice.hpp>
+#include <servobus/control/states.hpp>
 #include <servobus/device/zlac8015d/values.hpp>
 
 namespace servobus::zlac8015d {
@@ -64,6 +65,13 @@ constexpr advice advice_for(fault f) {
         if (a.of == f) return {a.cause, a.remedy, detail::reset_text};
     }
     return {not_in_manual, not_in_manual, detail::reset_text};
+}
+
+/// The advice about a state in which no fault shows. Only `needs_power_cycle` has one [errata B21].
+constexpr advice advice_for(drive_state s) {
+    if (s != drive_state::needs_power_cycle) return no_fault_advice;
+    return {"A new value of 2022h scales commanded speeds from the next power-on.",
+            "Power the drive off and on, then take it over again.", "An init finds that the power was off."};
 }
 
 /// The advice about the first fault of a set, in the manual's order.

@@ -21,8 +21,8 @@ namespace servobus::zlac8015d {
 
 /// Lists the states that the cached settings may have.
 constexpr drive_states planned_states(const cached_settings&) {
-    return drive_states{drive_state::needs_init, drive_state::disabled, drive_state::enabled,
-                        drive_state::quick_stopped};
+    return drive_states{drive_state::needs_init, drive_state::needs_power_cycle, drive_state::disabled,
+                        drive_state::enabled, drive_state::quick_stopped};
 }
 /// Lists the settings that `enable_in` chooses, and that the watchdog's time (2000h) is not 0.
 constexpr void conditions(cached_settings& known, each_condition& each) {

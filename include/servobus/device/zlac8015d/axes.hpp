@@ -69,7 +69,7 @@ class axes_model : public counted_model {
     static constexpr prepared_command stop_for(stop_priority priority, const settings& known, bool is_first) {
         return model::stop_for(priority, known, is_first);
     }
-    constexpr errc admit(const prepared_command& c, duration lost) {
+    constexpr errc admit(prepared_command& c, duration lost) {
         if (c.is_shaped)
             shaped_[number_of(c.which)].begin(c.setpoint);
         else

@@ -71,7 +71,7 @@ struct enable_in {
                 .arguments = {cached.resolution, cached.host_timeout, static_cast<std::uint16_t>(starts)},
                 .then = effect::enabled,
                 .mode = mode.mode(),
-                .refusal = detail::first_error(detail::needs_init_done(cached), mode.error())};
+                .refusal = detail::first_error(detail::needs_power(cached), mode.error())};
     }
 };
 
@@ -97,8 +97,10 @@ constexpr bool plan_halt(prepared_command& o, const cached_settings& cached) {
     return true;
 }
 constexpr void plan_quick_stop(prepared_command& o, const cached_settings& cached) {
-    o.then = cached.state == drive_state::disabled ? effect::disabled : effect::quick_stopped;
-    o.steps = cached.state == drive_state::disabled     ? routine{routines::disable}
+    const bool is_disabled =
+        cached.state == drive_state::disabled || cached.state == drive_state::needs_power_cycle;
+    o.then = is_disabled ? effect::disabled : effect::quick_stopped;
+    o.steps = is_disabled                               ? routine{routines::disable}
               : cached.state == drive_state::needs_init ? routine{routines::quick_stop_after_silence}
                                                         : routine{routines::quick_stop};
 }

@@ -58,7 +58,7 @@ class counted_model : public model {
         }
         const bool is_initialised = e.is_done && c.then == effect::initialised;
         const errc found = model::learn(c, e, known);
-        if (!is_initialised || found != errc::ok) return found;
+        if (!is_initialised || known.state != drive_state::disabled) return found;
         known.state = drive_state::needs_init; // until the lines are known
         c = {.steps = routines::encoder_lines, .then = effect::initialised};
         return errc::ok;

@@ -50,7 +50,8 @@ class model {
         command_kinds<effect>{}
             .of(command_kind::take_over, effect::initialised)
             .of(command_kind::power, effect::enabled, effect::disabled, effect::quick_stopped)
-            .of(command_kind::setting, effect::timeout_set, effect::speeds_set, effect::forgotten)
+            .of(command_kind::setting, effect::timeout_set, effect::speeds_set, effect::rescaled,
+                effect::forgotten)
             .of(command_kind::move, effect::moved)
             .of(command_kind::endless_motion, effect::motion)
             .of(command_kind::refresh, effect::seen)
@@ -131,8 +132,12 @@ class model {
         return c;
     }
 
-    /// A wait needs a move, and one lost frame must not use up the time of the drive's watchdog.
-    constexpr errc admit(const prepared_command& c, duration lost) {
+    /// A wait needs a move, and one lost frame must not use up the time of the drive's watchdog. Another 2022h may be
+    /// written from here on, also if the command is replaced: until its mark is set no restart shows by it.
+    constexpr errc admit(prepared_command& c, duration lost) {
+        if (c.then == effect::initialised)
+            c.steps = c.steps.first(routines::init_size + std::size_t{to_power_cycle_});
+        if (c.then == effect::rescaled) to_power_cycle_ = routines::to_set_mark;
         if (c.then == effect::arrived && (goals_ & c.arguments[0]) == 0) return errc::wrong_state;
         motion_ = motion_check::not_asked;
         if (c.then != effect::timeout_set || c.arguments[0] == 0) return errc::ok;
@@ -140,13 +145,14 @@ class model {
     }
     /// What a command has changed. Steps that are put into `c` follow as a part of it. Returns the error that is
     /// reported in place of its success.
-    constexpr errc learn(prepared_command& c, const ending& e, settings& known) {
+    // Inline in its one caller: less flash.
+    [[gnu::always_inline]] constexpr errc learn(prepared_command& c, const ending& e, settings& known) {
         if (!e.is_done) {
             fail(c, e, known);
             return errc::ok;
         }
         const slice<const std::uint16_t> words = e.words;
-        const bool is_known = known.state != drive_state::needs_init;
+        const bool is_known = known.state >= drive_state::disabled;
         switch (c.then) {
         case effect::initialised:
             goals_ = 0; // a restart may have changed the positions
@@ -158,6 +164,13 @@ class model {
                 known.state = drive_state::needs_init;
                 return errc::unexpected_value;
             }
+            if (to_power_cycle_ == routines::to_ask_mark && words[routines::mode_word] == 0)
+                to_power_cycle_ = 0;
+            if (to_power_cycle_ == 0) break;
+            [[fallthrough]];
+        case effect::rescaled: // the drive has its mark now
+            to_power_cycle_ = routines::to_ask_mark;
+            known.state = drive_state::needs_power_cycle;
             break;
         case effect::enabled:
             known.state = drive_state::enabled;
@@ -251,7 +264,11 @@ class model {
     }
     // A shorter time of the drive's watchdog may be set all the same.
     constexpr void fail(prepared_command& c, const ending& e, const settings& known) {
-        if (e.status.outcome() != outcome::unknown) return;
+        if (e.status.outcome() != outcome::unknown) {
+            if (c.then == effect::rescaled && !e.status.has_changed)
+                to_power_cycle_ = 0; // it was not written
+            return;
+        }
         if (c.then == effect::timeout_set && watchdog(c.arguments[0]) < e.watchdog)
             e.watchdog = watchdog(c.arguments[0]);
         // Enabled perhaps, and its status does not show it [errata B30].
@@ -293,7 +310,8 @@ class model {
     }
 
     u32 goal_[2]{};
-    std::uint8_t goals_ = 0; // the wheels that have one
+    std::uint8_t goals_ = 0;          // the wheels that have one
+    std::uint8_t to_power_cycle_ = 0; // the steps of an `init` that ask for a restart since 2022h was written
     motion_check motion_ = motion_check::not_asked;
 };
 

@@ -118,7 +118,8 @@ struct clear_position {
     }
 };
 
-/// Keeps all parameters marked RW/S in EEPROM, 2010h; at standstill, disabled. Writes mode 0 first, which the
+/// Keeps all parameters marked RW/S in EEPROM, 2010h = 1; at standstill, disabled. Writes 2010h = 0 after it, since 1
+/// may be a mode in which each later write is kept too [errata B11]. Writes mode 0 first, which the
 /// next `enable` sets anew: a drive that saves every row that can be written would keep a mode, and a restart
 /// could not be told by it [errata B11]. A mode that another program has saved is kept until this is run
 /// once. Errors: `wrong_state` while enabled, `unexpected_value` if the mode does not change, since a wheel
@@ -132,12 +133,14 @@ struct save {
 using servobus::sole_drive_on_the_line;
 
 /// Restores the factory's parameters, 2009h; at standstill, disabled. Initialise again afterwards: address,
-/// baud rate and scales may have changed.
+/// baud rate and scales may have changed. Where 2022h was not the factory's the state is `needs_power_cycle`, as after
+/// `resolution`.
 struct factory_reset {
     constexpr explicit factory_reset(sole_drive_on_the_line) {}
     constexpr prepared_command plan(const cached_settings& cached) const {
-        return {.steps = routines::factory_reset,
-                .then = effect::forgotten,
+        const bool is_rescaled = cached.resolution != speed_resolution.initial;
+        return {.steps = is_rescaled ? routine{routines::reset_resolution} : routine{routines::factory_reset},
+                .then = is_rescaled ? effect::rescaled : effect::forgotten,
                 .refusal = detail::needs_disabled(cached)};
     }
 };
@@ -162,15 +165,23 @@ struct watchdog {
     }
 };
 
-/// Resolution of commanded speeds, 2022h: 1/n r/min, n = 1..10; at standstill, disabled. Speeds that are
-/// ordered through the drive follow it by themselves.
+/// Resolution of commanded speeds, 2022h: 1/n r/min, n = 1..10; at standstill, disabled. A drive that has it keeps it,
+/// and nothing is written. Another value is written and saved, which wears the EEPROM once, and counts from the next
+/// power-on [errata B21]. The state is `needs_power_cycle` then. Neither an enable nor a speed is possible before an
+/// `init` has found that the power was off. Speeds that are ordered through the drive follow the new value.
+///
+///     if (wheels.state() == drive_state::needs_power_cycle) std::puts("power the drive off and on, then init");
+///
+/// A value that a client or another program has written is taken as it is found. It counts only if the power was off
+/// since, which no register shows. The facade finds a power-on by the mode 200Dh: a client does not write it meanwhile.
 struct resolution {
     std::uint16_t n;
     constexpr prepared_command plan(const cached_settings& cached) const {
         const errc wrong = speed_resolution.limits.contains(n) ? errc::ok : errc::out_of_range;
-        return {.steps = routines::set_resolution,
-                .arguments = {n, cached.max_speed},
-                .then = effect::speeds_set,
+        const bool is_so = n == cached.resolution;
+        return {.steps = is_so ? routine{routines::same_resolution} : routine{routines::set_resolution},
+                .arguments = {n},
+                .then = is_so ? effect::none : effect::rescaled,
                 .refusal = detail::first_error(detail::needs_disabled(cached), wrong)};
     }
 };

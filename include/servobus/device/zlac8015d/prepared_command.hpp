@@ -37,7 +37,7 @@ struct cached_settings {
     drive_state state = drive_state::needs_init;
     operating_mode mode = operating_mode::undefined;
     synchronisation starts = synchronisation::asynchronous;
-    std::uint16_t resolution = 1;   ///< 2022h: a commanded count is 1/resolution r/min
+    std::uint16_t resolution = 1;   ///< 2022h, in force: a commanded count is 1/resolution r/min
     std::uint16_t max_speed = 0;    ///< 2008h, r/min
     std::uint16_t host_timeout = 0; ///< 2000h, ms; 0: none
 };
@@ -45,19 +45,20 @@ struct cached_settings {
 /// What becomes of the cached settings once the routine is done.
 enum class effect : std::uint8_t {
     none,
-    initialised,
+    motion,      ///< a target was set: counts as a command of the application
+    seen,        ///< feedback was read
+    arrived,     ///< the end of a move was waited for
+    initialised, ///< by `routines::init`
     enabled,
     disabled,
     quick_stopped,
     moved,
-    motion, ///< a target was set: counts as a command of the application
     timeout_set,
     speeds_set, ///< the arguments are resolution and top speed
+    rescaled,   ///< 2022h has another value, which counts from the next power-on
     forgotten,
-    seen, ///< feedback was read
     positions_compared,
     positions_cleared,
-    arrived, ///< the end of a move was waited for
     end
 };
 
@@ -83,9 +84,12 @@ struct speed_count {
     std::uint16_t word = 0;
     errc error = errc::ok;
 };
-// Its own division: that of the run-time library takes 700 bytes on a small core.
-constexpr std::int32_t quotient(std::int32_t a, std::uint32_t by) {
-    std::uint32_t left = a < 0 ? 0u - static_cast<std::uint32_t>(a) : static_cast<std::uint32_t>(a);
+struct division {
+    std::uint32_t whole;
+    std::uint32_t rest;
+};
+// That of the run-time library takes 700 bytes on a small core.
+constexpr division divided(std::uint32_t left, std::uint32_t by) {
     std::uint32_t rest = 0;
     for (int bit = 0; bit < 32; ++bit) {
         rest = rest << 1 | left >> 31;
@@ -94,19 +98,21 @@ constexpr std::int32_t quotient(std::int32_t a, std::uint32_t by) {
         rest -= by;
         ++left;
     }
-    return static_cast<std::int32_t>(a < 0 ? 0u - left : left);
+    return {left, rest};
+}
+constexpr std::uint32_t magnitude(std::int32_t n) {
+    return n < 0 ? 0u - static_cast<std::uint32_t>(n) : static_cast<std::uint32_t>(n);
 }
 constexpr speed_count count_of(speed wanted, const cached_settings& cached) {
-    constexpr std::int32_t per_r_per_min = 2520;
-    const std::int32_t parts = wanted.count();
-    const std::int32_t limit = cached.max_speed * per_r_per_min;
-    if (parts > limit || parts < -limit) return {0, errc::out_of_range};
-    const std::int32_t scaled = parts * cached.resolution;
-    const std::int32_t counts = quotient(scaled, per_r_per_min);
-    if (counts * per_r_per_min != scaled) return {0, errc::inexact};
-    if (counts < left_target_speed.limits.low || counts > left_target_speed.limits.high)
+    constexpr std::uint32_t per_r_per_min = 2520;
+    static_assert(left_target_speed.limits.low == -left_target_speed.limits.high);
+    const std::uint32_t parts = magnitude(wanted.count());
+    if (parts > cached.max_speed * per_r_per_min) return {0, errc::out_of_range};
+    const division counts = divided(parts * cached.resolution, per_r_per_min);
+    if (counts.rest != 0) return {0, errc::inexact};
+    if (counts.whole > static_cast<std::uint32_t>(left_target_speed.limits.high))
         return {0, errc::out_of_range};
-    return {static_cast<std::uint16_t>(counts), errc::ok};
+    return {static_cast<std::uint16_t>(wanted.count() < 0 ? 0u - counts.whole : counts.whole), errc::ok};
 }
 
 constexpr errc needs(const cached_settings& cached, operating_mode mode) {
@@ -115,6 +121,11 @@ constexpr errc needs(const cached_settings& cached, operating_mode mode) {
 }
 constexpr errc needs_init_done(const cached_settings& cached) {
     return cached.state == drive_state::needs_init ? errc::needs_init : errc::ok;
+}
+/// As `needs_init_done`; `wrong_state` until a new 2022h is in force.
+constexpr errc needs_power(const cached_settings& cached) {
+    if (cached.state == drive_state::needs_init) return errc::needs_init;
+    return cached.state < drive_state::disabled ? errc::wrong_state : errc::ok;
 }
 constexpr errc needs_disabled(const cached_settings& cached) {
     if (cached.state == drive_state::needs_init) return errc::needs_init;

@@ -96,8 +96,8 @@ inline constexpr rw<off_on>                pwm_on_alarm                   {0x201
 inline constexpr rw<off_on>                overload_handling              {0x2020, {0, 1},                    no_unit,                0,         saved};
 /// 2021h I/0 急停处理方式  0..1, default 0, RW/S [errata B12]
 inline constexpr rw<input_stop_action>     input_stop                     {0x2021, {0, 1},                    no_unit,                0,         saved};
-/// 2022h 给定速度分辨率  1..10, default 1, RW/S; one count of a commanded speed is 1/value r/min [errata B21]
-inline constexpr rw<u16>                   speed_resolution               {0x2022, {1, 10},                   no_unit,                1,         saved};
+/// 2022h 给定速度分辨率  1..10, default 1, RW/S; a commanded count is 1/value r/min from the next power-on [errata B21]
+inline constexpr rw<u16>                   speed_resolution               {0x2022, {1, 10},                   no_unit,                1,         saved | after_power_cycle};
 /// 2023h 速度超差  0..1, default 1, RW/S [errata B8]
 inline constexpr rw<off_on>                speed_deviation_monitoring     {0x2023, {0, 1},                    no_unit,                1,         saved};
 

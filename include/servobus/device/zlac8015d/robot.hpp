@@ -115,7 +115,7 @@ class robot_model : public counted_model {
     static constexpr prepared_command stop_for(stop_priority priority, const settings& known, bool is_first) {
         return model::stop_for(priority, known, is_first);
     }
-    constexpr errc admit(const prepared_command& c, duration lost) {
+    constexpr errc admit(prepared_command& c, duration lost) {
         commanded_.begin(c);
         if (c.is_twist) {
             shaped_.begin(c.setpoint);
@@ -130,7 +130,7 @@ class robot_model : public counted_model {
         if (!commanded_motion::is_without_motion(c) && !(c.is_twist && e.is_done)) shaped_.forget();
         if (c.is_twist) note_step(c);
         c.is_twist = false; // what follows is none
-        if (is_save(e.steps)) known.mode = operating_mode::undefined;
+        if (is_save(e.steps) || c.then == effect::rescaled) known.mode = operating_mode::undefined;
         const axle& on = base_->base();
         const std::uint16_t stop_ms = shaped_.limits().stop_ms;
         return learn_counts(c, e, known, on.left().counts_of_motor_turn(), on.right().counts_of_motor_turn(),
@@ -198,7 +198,8 @@ class robot_model : public counted_model {
         return top < own ? top : own;
     }
     static constexpr bool changes_mode(const zlac8015d::prepared_command& c) {
-        return !c.steps.empty() && (c.then == effect::enabled || is_save(c.steps));
+        return !c.steps.empty() &&
+               (c.then == effect::enabled || c.then == effect::rescaled || is_save(c.steps));
     }
 
     const differential* base_ = nullptr;

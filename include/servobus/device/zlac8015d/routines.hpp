@@ -66,11 +66,16 @@ inline constexpr step still_torque     = steps::expect<mode_of_operation>(operat
 inline constexpr step still_relative   = steps::expect<mode_of_operation>(operating_mode::relative_position, errc::needs_init);
 inline constexpr step still_absolute   = steps::expect<mode_of_operation>(operating_mode::absolute_position, errc::needs_init);
 
+// The mark of a drive that must be powered off and on: the mode, at rest and disabled. A restart loses it.
+inline constexpr step set_mark         = steps::write<mode_of_operation>(operating_mode::velocity);
+inline constexpr step expect_mark      = steps::expect<mode_of_operation>(operating_mode::velocity);
+
 /// Words that `init` reads.
-enum init_word : std::uint8_t { host_timeout_word, max_speed_word, resolution_word };
+enum init_word : std::uint8_t { host_timeout_word, max_speed_word, resolution_word, mode_word };
 
 /// The motor may still run from a program that crashed: zero targets, stop, wait; then read what the facade
-/// must know. Nothing moves and nothing is enabled.
+/// must know. Nothing moves and nothing is enabled. The steps after `init_size` are for a drive whose 2022h was
+/// written. They ask for the mode, which a restart loses, and set it again if it may not be set.
 inline constexpr step init[] = {
     stop_by_targets,
     stop_by_command,
@@ -79,7 +84,13 @@ inline constexpr step init[] = {
     steps::fetch<host_timeout>(host_timeout_word),
     steps::fetch<max_motor_speed>(max_speed_word),
     steps::fetch<speed_resolution>(resolution_word),
+
+    steps::fetch<mode_of_operation>(mode_word),
+    set_mark, expect_mark,
 };
+inline constexpr std::uint8_t init_size = 8; ///< the steps of an `init` that asks no more
+inline constexpr std::uint8_t to_ask_mark = 1; ///< steps after `init_size`
+inline constexpr std::uint8_t to_set_mark = 3; ///< likewise, if it is not known whether the mark was set
 
 /// Section 3.1. All targets are zeroed and read back before the mode is written: on a drive that is still
 /// enabled the mode itself would act on an old one. A restart loses the mode: if it still stands at the end,
@@ -135,12 +146,12 @@ inline constexpr step quick_stop_now   = steps::repeatable(steps::write<control_
 inline constexpr step until_emergency  = steps::until_bits<status_word>(status_flags::shaft_bits | status_flags::running_bits,
                                                                         status_flags::both_stopped_in_emergency, state_change_ms);
 // A drive that stands and does not say so, since it was restarted, is not waited for as long as a ramp.
-inline constexpr step quick_stop[] = {quick_stop_now, until_standstill, until_slow, until_emergency};
-/// After silence the first frame is zero targets: whether a watchdog stop ends with it is not stated.
+// After silence the first frame is zero targets: whether a watchdog stop ends with it is not stated.
 inline constexpr step quick_stop_after_silence[] = {stop_by_targets, quick_stop_now, until_standstill, until_slow, until_emergency};
+inline constexpr steps_of<quick_stop_after_silence, 1, 4> quick_stop;
 
-/// A fault on either wheel: both stop.
-inline constexpr step stop_both[] = {stop_by_targets, stop_by_command, zero_torque_too, until_standstill, until_slow};
+/// A fault on either wheel: both stop, as an `init` begins.
+inline constexpr steps_of<init, 0, 5> stop_both;
 
 /// What a drive is to hear first when it may be there again: one frame that stops it in every mode, and the
 /// rest if that was answered.
@@ -211,14 +222,23 @@ inline constexpr step clear_positions[] = {
 
 /// Saving and resetting wear the EEPROM, so each goes out once. What the drive keeps is marked RW/S, or it is
 /// all that can be written [errata B11]: without a mode a restart is found by the mode either way.
-inline constexpr step save[]          = {
-    must_stand, steps::write<mode_of_operation>(operating_mode::undefined),
-    steps::expect<mode_of_operation>(operating_mode::undefined),
-    steps::write<save_parameters>(parameter_save::save_all)};
-inline constexpr step factory_reset[] = {must_stand, steps::write<restore_parameters>(parameter_reset::factory_defaults)};
+/// 2010h = 1 may be a mode in which each later write is kept too: 0 ends that.
+inline constexpr step drop_mode    = steps::write<mode_of_operation>(operating_mode::undefined);
+inline constexpr step expect_none  = steps::expect<mode_of_operation>(operating_mode::undefined);
+inline constexpr step save_all     = steps::write<save_parameters>(parameter_save::save_all);
+inline constexpr step save_no_more = steps::write<save_parameters>(parameter_save::none);
+inline constexpr step save[]       = {must_stand, drop_mode, expect_none, save_all, save_no_more};
+inline constexpr step restore_all  = steps::write<restore_parameters>(parameter_reset::factory_defaults);
+inline constexpr step factory_reset[] = {must_stand, restore_all};
+/// The factory's resolution is another one. The mark is set before, since a drive may not respond after a reset.
+inline constexpr step reset_resolution[] = {must_stand, set_mark, expect_mark, restore_all};
 
 inline constexpr step set_host_timeout[] = {steps::write_arguments<host_timeout>(), steps::expect_arguments<host_timeout>()};
-inline constexpr step set_resolution[]   = {must_stand, steps::write_arguments<speed_resolution>(), steps::expect_arguments<speed_resolution>()};
+/// 2022h counts from the next power-on after a save. Read back at the end too: a restart before the save loses it.
+inline constexpr step set_resolution[]   = {
+    must_stand, steps::write_arguments<speed_resolution>(), steps::expect_arguments<speed_resolution>(),
+    drop_mode, expect_none, save_all, save_no_more, set_mark, expect_mark, same_scale};
+inline constexpr step same_resolution[]  = {same_scale};
 
 /// After a move it must also be at its target; a restart may have put the positions where the move would end.
 inline constexpr step wait_standstill[] = {

@@ -40,8 +40,9 @@ struct speed_limits {
             return errc::out_of_range;
         const auto up = static_cast<std::uint32_t>(by.acceleration.count());
         const auto down = static_cast<std::uint32_t>(by.deceleration.count());
-        const std::int32_t faster = detail::quotient(top * 1000, up);
-        const std::int32_t slower = detail::quotient(top * 1000, down);
+        const std::uint32_t in_a_second = static_cast<std::uint32_t>(top) * 1000;
+        const std::uint32_t faster = detail::divided(in_a_second, up).whole;
+        const std::uint32_t slower = detail::divided(in_a_second, down).whole;
         if (faster < 1 || slower < 1 || faster > 0xFFFF || slower > 0xFFFF) return errc::out_of_range;
         speed_limits made;
         made.acceleration = static_cast<std::uint16_t>(faster);

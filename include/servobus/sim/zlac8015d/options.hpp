@@ -105,6 +105,10 @@ struct zlac8015d_options {
     /// 2012h, 2013h and 2014h take the printed codes alone, section 4 [B14]. False: any word. A program for a
     /// ZLAC8030D writes a time into 2014h.
     bool checks_option_codes = true;
+
+    /// When a new 2022h scales the commanded speeds, section 4 [B21]. False: at the next power-on, if it was saved: the
+    /// maker's quick start guide, and a driver's author. True: immediately.
+    bool rescales_immediately = false;
 };
 
 } // namespace servobus::sim

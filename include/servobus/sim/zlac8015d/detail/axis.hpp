@@ -61,8 +61,7 @@ class zlac8015d_axis {
         std::uint16_t wrong = raised_;
         if (10 * temperature > motor_word(m, zlac::left_motor_temperature_limit.address))
             wrong |= bits_of(zlac::fault::motor_overtemperature);
-        const std::int64_t fastest =
-            std::int64_t{m[zlac::max_motor_speed.address]} * m[zlac::speed_resolution.address];
+        const std::int64_t fastest = std::int64_t{m[zlac::max_motor_speed.address]} * m.resolution();
         if (mode(m) == zlac::operating_mode::velocity &&
             magnitude(signed_word(m, zlac::left_target_speed.address)) > fastest)
             wrong |= bits_of(zlac::fault::speed_command);
@@ -181,8 +180,7 @@ class zlac8015d_axis {
         return 4 * std::int64_t{lines == 0 ? 1024u : lines};
     }
     constexpr std::int64_t commanded_speed(const memory& m) const {
-        return signed_word(m, zlac::left_target_speed.address) * wheel::r_per_min /
-               m[zlac::speed_resolution.address];
+        return signed_word(m, zlac::left_target_speed.address) * wheel::r_per_min / m.resolution();
     }
 
     // Starts a tick. True if the brake holds the wheel.

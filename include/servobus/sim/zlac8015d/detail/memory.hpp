@@ -21,7 +21,8 @@ class zlac8015d_memory : public register_memory<0x2000, 0xB1> { // 2000h .. 20B0
     constexpr explicit zlac8015d_memory(const zlac8015d_options& chosen)
         : register_memory{index}, is_kept_{chosen.save == zlac8015d_options::kept::all ? &can_be_written
                                                                                        : &is_marked},
-          checks_option_codes_{chosen.checks_option_codes} {}
+          checks_option_codes_{chosen.checks_option_codes}, rescales_immediately_{
+                                                                chosen.rescales_immediately} {}
 
     static constexpr bool covers(std::uint16_t address) { return index.covers(address); }
 
@@ -56,6 +57,7 @@ class zlac8015d_memory : public register_memory<0x2000, 0xB1> { // 2000h .. 20B0
         clear();
         fill([](const entry&) { return true; });
         recall(is_kept_);
+        resolution_ = (*this)[resolution_address];
     }
     /// Fills the EEPROM as in a new drive, then switches on.
     constexpr void make_new() {
@@ -67,6 +69,13 @@ class zlac8015d_memory : public register_memory<0x2000, 0xB1> { // 2000h .. 20B0
         wear(fill_eeprom(is_kept_));
         fill([](const entry& e) { return e.rights != access::ro && !is_state(e.address); });
     }
+    /// 2022h as it scales commanded speeds: a count is 1/resolution r/min.
+    constexpr std::uint16_t resolution() const {
+        const std::uint16_t n = rescales_immediately_ ? (*this)[resolution_address] : resolution_;
+        return n == 0 ? std::uint16_t{1} : n; // which no write sets
+    }
+    /// Puts a word into the EEPROM, as if a program had saved it long ago: no write is counted.
+    constexpr void store(std::uint16_t address, std::uint16_t word) { set_eeprom(address, word); }
     /// Writes to the EEPROM the registers that a save keeps.
     constexpr void save() { keep(is_kept_); }
 
@@ -74,6 +83,7 @@ class zlac8015d_memory : public register_memory<0x2000, 0xB1> { // 2000h .. 20B0
     static constexpr auto illegal_address =
         static_cast<std::uint8_t>(modbus::exception::illegal_data_address);
     static constexpr auto illegal_value = static_cast<std::uint8_t>(modbus::exception::illegal_data_value);
+    static constexpr std::uint16_t resolution_address = servobus::zlac8015d::speed_resolution.address;
     static constexpr map index{servobus::zlac8015d::catalogue.entries};
 
     static constexpr bool is_marked(const entry& e) { return has(e.flags, saved); }
@@ -97,6 +107,8 @@ class zlac8015d_memory : public register_memory<0x2000, 0xB1> { // 2000h .. 20B0
 
     choice is_kept_;
     bool checks_option_codes_;
+    bool rescales_immediately_;
+    std::uint16_t resolution_ = 1; // since the last power-on
 };
 
 } // namespace servobus::sim::detail
