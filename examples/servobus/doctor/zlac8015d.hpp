@@ -208,8 +208,9 @@ inline constexpr check table[] = {
      "an enable in torque mode by a program that does not zero it turns the wheel",
      {.write = "right_target_torque=0"}},
     {matters, {zlac::speed_resolution}, is_fine_resolution,
-     "a commanded speed counts 1/speed_resolution r/min: a program that counts r/min turns the wheels that much "
-     "slower", {.write = "speed_resolution=1"}},
+     "a commanded speed counts 1/speed_resolution r/min, if the power was off since that was saved: a program that counts "
+     "r/min turns the wheels that much slower; a program that counts on it turns them that much faster before",
+     {.act = "for r/min from the next power-on", .write = "speed_resolution=1 save_parameters=save_all"}},
     {matters, {zlac::hall_state}, has_wrong_hall,
      "a Hall state of 0 or 7 is a Hall fault: that motor does not turn", {.act = "check its Hall cable"}},
     {matters, {zlac::motor_temperature, zlac::left_motor_temperature_limit}, is_motor_hot,
