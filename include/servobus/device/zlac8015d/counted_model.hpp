@@ -19,6 +19,15 @@ inline constexpr step encoder_lines[] = {
     steps::fetch<left_encoder_lines>(0),
     steps::fetch<right_encoder_lines>(1),
 };
+
+/// Ramps that follow a stream of setpoints. The watchdog's stop, a wired one and 05h take 2084h and 2085h instead.
+inline constexpr step shaped_ramps[] = {
+    steps::write_arguments<left_acceleration_time, right_acceleration_time, left_deceleration_time,
+                           right_deceleration_time, left_quick_stop_time, right_quick_stop_time>(),
+    steps::expect_arguments<left_acceleration_time, right_acceleration_time, left_deceleration_time,
+                            right_deceleration_time, left_quick_stop_time, right_quick_stop_time>(),
+    steps::write<quick_stop_option_code>(quick_stop_option::fast_deceleration),
+    steps::expect<quick_stop_option_code>(quick_stop_option::fast_deceleration)};
 } // namespace routines
 
 /// The model of a drive whose counts have lengths.

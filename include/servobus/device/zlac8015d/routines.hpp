@@ -201,14 +201,6 @@ inline constexpr std::uint8_t start_step = 5; ///< in the routine of each move
 
 inline constexpr step ramps[] = {
     steps::set_arguments<left_acceleration_time, right_acceleration_time, left_deceleration_time, right_deceleration_time>()};
-/// Ramps that follow a stream of setpoints. The watchdog's stop, a wired one and 05h take 2084h and 2085h instead.
-inline constexpr step shaped_ramps[] = {
-    steps::write_arguments<left_acceleration_time, right_acceleration_time, left_deceleration_time, right_deceleration_time,
-                           left_quick_stop_time, right_quick_stop_time>(),
-    steps::expect_arguments<left_acceleration_time, right_acceleration_time, left_deceleration_time, right_deceleration_time,
-                            left_quick_stop_time, right_quick_stop_time>(),
-    steps::write<quick_stop_option_code>(quick_stop_option::fast_deceleration),
-    steps::expect<quick_stop_option_code>(quick_stop_option::fast_deceleration)};
 inline constexpr step quick_stop_ramp[] = {steps::set_arguments<left_quick_stop_time, right_quick_stop_time>()};
 inline constexpr step torque_slope[]    = {steps::set_arguments<left_torque_slope, right_torque_slope>()};
 inline constexpr step position_speed[]  = {steps::set_arguments<left_max_speed, right_max_speed>()};
