@@ -24,7 +24,7 @@ check(headers.gcc11 LABELS compile COST 5
       COMMAND ${python} tests/headers.py --together --without windows g++-11 -std=c++20 ${bare})
 check(headers.clang LABELS compile COST 5
       COMMAND ${python} tests/headers.py --together --without windows clang++ -std=c++2b ${bare})
-check(headers.clang19 LABELS compile COST 60
+check(headers.clang19 LABELS compile COST 38
       COMMAND ${python} tests/headers.py --without windows clang++-19 -stdlib=libc++ -std=c++2c ${bare})
 check(headers.arm LABELS compile target COST 5
       COMMAND ${python} tests/headers.py --together --without windows --without posix
@@ -32,7 +32,7 @@ check(headers.arm LABELS compile target COST 5
 foreach(judge g++ clang-tidy)
   check(headers.no_warnings.${judge} LABELS compile COST 90 ENVIRONMENT JOBS=1 COMMAND ${python} tests/warnings/programs.py ${judge})
 endforeach()
-check(headers.no_warnings.cppcheck LABELS compile COST 90 ENVIRONMENT JOBS=1 COMMAND ${python} tests/warnings/programs.py cppcheck
+check(headers.no_warnings.cppcheck LABELS compile COST 49 ENVIRONMENT JOBS=1 COMMAND ${python} tests/warnings/programs.py cppcheck
       OF tests/warnings ALONE)
 check(headers.refuse_cpp17 LABELS compile COST 15 COMMAND ${python} tests/old_standards.py)
 check(headers.rooms LABELS compile COMMAND ${python} tests/rooms.py)
@@ -66,9 +66,9 @@ check(posix.portable LABELS posix REAL_TIME COST 70 COMMAND sh tests/portable.sh
 
 # A hostile line, and fuzzing: the same inputs in every run, for what a search finds must not turn an unrelated change red.
 # As few runs as must have played each kind of event; `sh tests/sim.sh` has 1600.
-check(sim.all LABELS sim COST 70 COMMAND sh tests/sim.sh --seeds 1000)
+check(sim.all LABELS sim COST 40 COMMAND sh tests/sim.sh --seeds 1000)
 # The sanitizers that are left out here take a third of the compiler's work. The fuzzers have them.
-check(sim.sanitizers LABELS sim COST 100 COMMAND sh tests/sim.sh --seeds 96
+check(sim.sanitizers LABELS sim COST 40 COMMAND sh tests/sim.sh --seeds 96
       ENVIRONMENT CXX=clang++ "CXXFLAGS=-fsanitize=address,undefined -fno-sanitize-recover=all -fno-sanitize=null,alignment,vptr,object-size,function"
       OF tests/sim.sh ALONE)
 check(fuzz.all LABELS fuzz COST 70 ENVIRONMENT SEED=1 JOBS=1 COMMAND sh fuzz/run.sh 2)
@@ -77,38 +77,38 @@ check(sim.defects LABELS sim COMMAND ${python} tests/sim/defects.py --list)
 check(mutants.meaning LABELS unit COST 5 COMMAND ${python} tests/mutate/mutate.py --meaning --list)
 
 # Small cores, and figures
-check(target.ports LABELS target COST 60 COMMAND sh tests/ports.sh
+check(target.ports LABELS target COST 28 COMMAND sh tests/ports.sh
       OF examples/ports tests/ports)
-check(target.bare_metal LABELS target COST 60 COMMAND sh tests/bare_metal.sh ${tool}
+check(target.bare_metal LABELS target COST 18 COMMAND sh tests/bare_metal.sh ${tool}
       OF examples/bare_metal)
-check(target.freestanding LABELS target COST 100 COMMAND ${python} tests/freestanding.py
+check(target.freestanding LABELS target COST 9 COMMAND ${python} tests/freestanding.py
       OF tests/freestanding)
 check(target.programs LABELS target figures COST 60 COMMAND sh tests/target/run.sh)
-check(target.server LABELS target figures COST 20 COMMAND sh tests/target/server.sh)
+check(target.server LABELS target figures COST 8 COMMAND sh tests/target/server.sh)
 check(target.operations LABELS target figures COST 10 COMMAND sh tests/target/operations.sh)
 check(target.axis LABELS target figures COST 5 COMMAND sh tests/target/axis.sh)
-check(target.machines LABELS target COST 15 COMMAND sh tests/target/machines.sh)
+check(target.machines LABELS target COST 5 COMMAND sh tests/target/machines.sh)
 check(figures.crc_sizes LABELS target figures COMMAND ${python} bench/sizes.py)
-check(figures.instructions.gcc LABELS figures COST 20 COMMAND ${python} bench/instructions.py)
-check(figures.instructions.clang LABELS figures COST 20 ENVIRONMENT CXX=clang++ COMMAND ${python} bench/instructions.py)
-check(figures.compile_cost LABELS figures COST 30 COMMAND ${python} bench/compile_cost.py
+check(figures.instructions.gcc LABELS figures COST 10 COMMAND ${python} bench/instructions.py)
+check(figures.instructions.clang LABELS figures COST 12 ENVIRONMENT CXX=clang++ COMMAND ${python} bench/instructions.py)
+check(figures.compile_cost LABELS figures COST 19 COMMAND ${python} bench/compile_cost.py
       OF bench/compile_cost.py include/servobus/registers ALONE)
 check(figures.include_cost LABELS figures COST 25 COMMAND ${python} bench/include_cost.py --bounds
       OF bench/include_cost.py ALONE)
-check(figures.plan_cost LABELS figures COST 40 COMMAND ${python} bench/plan_cost.py
+check(figures.plan_cost LABELS figures COST 23 COMMAND ${python} bench/plan_cost.py
       OF bench/plan_cost.py ALONE)
 check(figures.bus LABELS figures COMMAND ${python} bench/bus.py)
 check(figures.page LABELS figures docs COMMAND ${python} bench/readme.py --check)
 check(figures.plots LABELS figures docs COMMAND ${python} bench/plot.py --check)
 
 # ROS 2, against stand-ins
-check(example.ros2_control LABELS example COST 120 COMMAND sh tests/ros2_control.sh virtual)
+check(example.ros2_control LABELS example COST 45 COMMAND sh tests/ros2_control.sh virtual)
 check(example.ros2_terminal LABELS example REAL_TIME COST 25 COMMAND sh tests/ros2_control.sh terminal)
 
 # Windows. Several tests run the same programs, on one installation of wine.
 set(mingw ${CMAKE_CURRENT_BINARY_DIR}/mingw)
-check(windows.headers LABELS windows COST 20 COMMAND ${python} tests/windows/headers.py)
-check(windows.programs LABELS windows COST 120 COMMAND ${python} tests/windows/programs.py ${mingw}
+check(windows.headers LABELS windows COST 10 COMMAND ${python} tests/windows/headers.py)
+check(windows.programs LABELS windows COST 30 COMMAND ${python} tests/windows/programs.py ${mingw}
       OF include/servobus/windows tests/windows examples/servobus/os examples/servobus/streams)
 check(windows.removed LABELS windows COMMAND ${CMAKE_COMMAND} -E rm -rf ${mingw}/wine)
 set_tests_properties(windows.programs PROPERTIES FIXTURES_SETUP windows)
@@ -134,9 +134,9 @@ endforeach()
 # Packages and builds
 check(packages.made LABELS packages COST 40 COMMAND ${python} tests/packages/made.py
       OF CMakeLists.txt meson.build examples/packages tests/packages ALONE)
-check(packages.single_headers LABELS packages COST 50 COMMAND ${python} tests/packages/single_headers.py
+check(packages.single_headers LABELS packages COST 29 COMMAND ${python} tests/packages/single_headers.py
       OF CMakeLists.txt meson.build examples/packages tests/packages ALONE)
-check(packages.frameworks LABELS packages COST 25 COMMAND ${python} tests/packages/frameworks.py
+check(packages.frameworks LABELS packages COST 16 COMMAND ${python} tests/packages/frameworks.py
       OF CMakeLists.txt meson.build examples/packages tests/packages ALONE)
 check(packages.recipes LABELS packages COST 10 COMMAND ${python} tests/packages/recipes.py
       OF CMakeLists.txt meson.build examples/packages tests/packages ALONE)
@@ -149,9 +149,9 @@ endforeach()
 check(packages.version LABELS packages COMMAND ${python} tests/packages/version.py)
 
 # Pages
-check(docs.reference LABELS docs COST 60 COMMAND ${python} tests/reference/check.py ${tool}
+check(docs.reference LABELS docs COST 22 COMMAND ${python} tests/reference/check.py ${tool}
       OF tests/reference include/servobus/device)
-check(docs.pages LABELS docs COST 40 COMMAND ${python} tests/docs/pages.py)
+check(docs.pages LABELS docs COST 9 COMMAND ${python} tests/docs/pages.py)
 check(docs.readme_commands LABELS docs REAL_TIME COST 100 COMMAND ${python} tests/docs/readme_commands.py
       OF README.md examples/run.sh ALONE)
 check(docs.header_examples LABELS docs COST 20 COMMAND ${python} tests/header_examples.py)
