@@ -48,6 +48,31 @@ line_terms terms_of(const report& to, const std::string& port, const target& of,
     return t;
 }
 
+// The response limit of a program whose responses began after `most`. An adapter's latency timer may take 16 ms.
+unsigned limit_for(servobus::duration most) {
+    const unsigned ms = (most.us + 999) / 1000;
+    return (std::max({30u, 2 * ms, ms + 16}) + 9) / 10 * 10;
+}
+
+// As a program names the device. The header that `servobus cpp` makes of a file has a `device` too.
+std::string type_of(const target& of) {
+    const std::string name = of.kind->word();
+    if (of.kind->file != nullptr) return "device";
+    if (name == "yako-closed-loop") return "yako::closed_loop::device";
+    if (name == "yako-open-loop") return "yako::open_loop::device";
+    return name + "::device";
+}
+
+// The line of code that states the limit, where the profile's is too short, or far longer than it needs to be.
+void state_limit(report& to, const target& of, const session& on, const line_account& heard) {
+    const unsigned usual = of.facts().limits.response.us / 1000;
+    const unsigned wanted = limit_for(heard.most());
+    if (on.port().is_network() || !heard.is_reliable() || (wanted <= usual && wanted > usual / 2)) return;
+    const std::string ms = std::to_string(wanted);
+    to.line("in a program: prompt(node<" + type_of(of) + ">{" + std::to_string(of.node) + "}, milliseconds(" +
+            ms + ")) waits " + ms + " ms for a response; by default it is " + std::to_string(usual) + " ms");
+}
+
 } // namespace
 
 void judge_port(report& to, const std::string& port) {
@@ -128,6 +153,7 @@ void judge_responses(report& to, const std::string& port, const target& of, sess
                 setting_of(on) + (heard.answered == 1 ? " has" : " have") +
                 " a response, which begins after " + ms_text(heard.least()) + ", " + ms_text(heard.median()) +
                 ", " + ms_text(heard.most()) + " ms (least, median, most); " + allowed);
+        state_limit(to, of, on, heard);
     }
     const std::vector<remark> remarks = remarks_on(heard, terms_of(to, port, of, on));
     for (const remark& r : remarks) heard.is_reliable() ? to.warn(r.what, r.act) : to.refuse(r.what, r.act);
