@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// A ZLAC8015D with the limits of its profile whose responses come later than its response limit, by as much as limit
-// and quarantine hide: G2, G15 and honest ends of a move. A short limit costs commands, and never truth.
+// A ZLAC8015D whose responses come later than the limit of its profile, and within limit and quarantine: G2, G15 and
+// honest ends of a move. A short limit costs commands, and never truth.
 #include <doctest/doctest.h>
 
 #include <cstddef>
