@@ -128,6 +128,7 @@ void explain_silence(report& to, const std::string& port, const target& of, serv
                                    : "plug the adapter in, and check its cable");
     }
     (void)on.hear({}, on.response_limit() + milliseconds(1500)); // a late response belongs to no later read
+    const bool is_first = ear.account().asked == 0;
     ear.ask(reads, *asked.row, asked.in);
     const std::vector<remark> remarks = remarks_on(ear.account(), terms_of(to, port, of, on));
     if (remarks.empty()) {
@@ -141,6 +142,7 @@ void explain_silence(report& to, const std::string& port, const target& of, serv
     }
     to.refuse(remarks[0].what, remarks[0].act);
     for (std::size_t i = 1; i < remarks.size(); ++i) to.warn(remarks[i].what, remarks[i].act);
+    if (is_first && ear.account().answered != 0) state_limit(to, of, on, ear.account());
 }
 
 void judge_responses(report& to, const std::string& port, const target& of, session& on, line_hearing& ear,
