@@ -29,15 +29,17 @@ repose zlac8015d_at_rest(session& on) {
     if (const auto why = read_words(on, zlac::status_word.address, word); !is_ok(why)) return {why, {}};
     const auto status = zlac::status_flags::from_word(word[0]);
     if (status.is_running()) return {{}, "a wheel turns; stop it first"};
-    std::array<u16, 1> last{};
-    if (const auto why = read_words(on, zlac::control_word.address, last); !is_ok(why)) return {why, {}};
-    const bool is_off = last[0] == static_cast<u16>(zlac::control_code::stop) ||
-                        last[0] == static_cast<u16>(zlac::control_code::undefined);
-    for (const zlac::axis_status& axis : {status.left, status.right}) {
-        if (axis.shaft == zlac::shaft_state::locked ||
-            (axis.shaft == zlac::shaft_state::emergency_stop && !is_off))
-            return {{}, "a shaft is held, the drive is enabled; control_word=stop releases it"};
+    const auto is_either = [&](zlac::shaft_state shaft) {
+        return status.left.shaft == shaft || status.right.shaft == shaft;
+    };
+    bool is_held = is_either(zlac::shaft_state::locked);
+    if (!is_held && is_either(zlac::shaft_state::emergency_stop)) {
+        std::array<u16, 1> last{};
+        if (const auto why = read_words(on, zlac::control_word.address, last); !is_ok(why)) return {why, {}};
+        is_held = last[0] != static_cast<u16>(zlac::control_code::stop) &&
+                  last[0] != static_cast<u16>(zlac::control_code::undefined);
     }
+    if (is_held) return {{}, "a shaft is held, the drive is enabled; control_word=stop releases it"};
     std::array<u16, 2> speeds{};
     if (const auto why = read_words(on, zlac::left_actual_speed.address, speeds); !is_ok(why))
         return {why, {}};
