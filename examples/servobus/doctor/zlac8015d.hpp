@@ -180,8 +180,8 @@ inline constexpr check table[] = {
      "it is outside 1..10, so the worth of a commanded speed is unknown", {.write = "speed_resolution=1"}},
 
     {matters, {zlac::host_timeout}, is_zero,
-     "the manual does not say what 0 means: the wheels run on when the line is lost, or an enable is refused if the "
-     "time is always over",
+     "0 was off on drives that came with it: the wheels run on when the line is lost. The manual does not say so; an "
+     "enable is refused where the time is always over",
      {.write = "host_timeout=1000"}},
     {matters, {zlac::host_timeout}, is_short,
      "the drive stops when a single response is lost; an enable is refused if such a stop lasts",

@@ -220,7 +220,7 @@ inline constexpr description descriptions[] = {
     {"P0B-03"_p, "Shows the levels of digital inputs DI1 to DI4."},
     {"P0B-05"_p, "Shows the levels of digital outputs DO1 to DO4."},
     {"P0B-07"_p, "Shows the present absolute position of the motor."},
-    {"P0B-09"_p, "Shows the mechanical angle as the number of pulses from the origin."},
+    {"P0B-09"_p, "Shows the mechanical angle from the origin, 65536 a turn on an ancestor of the drive."},
     {"P0B-10"_p, "Shows the electrical angle."},
     {"P0B-11"_p, "Shows the speed that corresponds to the input position command."},
     {"P0B-12"_p, "Shows the average load rate."},

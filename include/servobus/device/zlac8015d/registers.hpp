@@ -30,7 +30,7 @@ using units::ampere, units::count, units::degree, units::degree_celsius, units::
 
 // Common to both motors
 
-/// 2000h 通讯掉线保护时间  0..32767 ms, default 1000, RW/S; the meaning of 0 is not stated [errata B28]
+/// 2000h 通讯掉线保护时间  0..32767 ms, default 1000, RW/S; 0, which is not explained, was off on two drives [errata B28]
 inline constexpr rw<u16>                   host_timeout                   {0x2000, {0, 32767},                millisecond,            1000,      saved | zero_by_name};
 /// 2001h RS485 自定义驱动器节点号  1..127, default 1, RW/S
 inline constexpr rw<u16>                   node_address                   {0x2001, {1, 127},                  no_unit,                1,         saved | communication};

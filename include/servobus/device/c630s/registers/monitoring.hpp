@@ -29,7 +29,7 @@ inline constexpr ro<inputs>       input_state                    {"P0B-03"_p, un
 inline constexpr ro<outputs>      output_state                   {"P0B-05"_p, unstated,  no_unit,        no_default, pst_modes};
 /// P0B-07 绝对位置计数器  reference units, shown, PST
 inline constexpr ro<i32>          absolute_position              {"P0B-07"_p, full<i32>, reference_unit, no_default, pst_modes};
-/// P0B-09 机械角度  encoder counts, shown, PST [errata C45]
+/// P0B-09 机械角度  65536 a turn on an ancestor of the drive, shown, PST [errata C45]
 inline constexpr ro<u16>          mechanical_angle               {"P0B-09"_p, full<u16>, count,          no_default, pst_modes};
 /// P0B-10 电气角度  deg, shown, PST [errata C44]
 inline constexpr ro<u16>          electrical_angle               {"P0B-10"_p, full<u16>, degree,         no_default, pst_modes};
