@@ -91,13 +91,14 @@ class observed_drive : public servobus::sim::zlac8015d {
         in_this_ms = {reckoning_.at(), now.us};
     }
 
-  private:
+    /// Writes a register as another program does.
     void set(std::uint16_t address, std::uint16_t value) {
         const std::uint8_t word[]{static_cast<std::uint8_t>(value >> 8),
                                   static_cast<std::uint8_t>(value & 0xFFu)};
         (void)write(address, servobus::words_view{word});
     }
 
+  private:
     dead_reckoning reckoning_;
     std::deque<given_place> given_;
     std::array<given_place, 512> places_{};

@@ -97,17 +97,20 @@ class bus : detail::cyclic_reads<Plan, Line, Drives...> {
             is_own = is_own || static_cast<const void*>(&own) == static_cast<const void*>(&drive);
         });
         if (!is_own) return routine_status{errc::bad_argument};
-        const errc refusal = drive.machine().note_refusal(drive.begin(wanted));
-        if (refusal != errc::ok) return routine_status{refusal};
-        const bool has_ended = run_while([&] {
-            drive.machine().note_command(line_->now());
-            return !drive.is_idle();
-        });
-        if (!has_ended) {
-            drive.machine().give_up(errc::clock_stopped, line_->now());
-            drive.machine().notify(*line_);
+        if constexpr (requires { requires Drive::template repeats<Wanted>; }) {
+            for (;;) {
+                const instant begun = line_->now();
+                const routine_status how = run_once(drive, wanted);
+                if (!how || !drive.is_changing_speed()) return how;
+                const bool is_due = run_while([&] {
+                    drive.machine().note_command(line_->now());
+                    return since(begun, line_->now()) < milliseconds(20);
+                });
+                if (!is_due) return routine_status{errc::clock_stopped};
+            }
+        } else {
+            return run_once(drive, wanted);
         }
-        return drive.last();
     }
     /// Blocking: runs a command that is made of others, such as `take_over`. Returns which of them failed, and how.
     template <class Drive, commands::made_of_commands Wanted>
@@ -167,6 +170,19 @@ class bus : detail::cyclic_reads<Plan, Line, Drives...> {
     }
 
   private:
+    template <class Drive, class Wanted> routine_status run_once(Drive& drive, const Wanted& wanted) {
+        const errc refusal = drive.machine().note_refusal(drive.begin(wanted));
+        if (refusal != errc::ok) return routine_status{refusal};
+        const bool has_ended = run_while([&] {
+            drive.machine().note_command(line_->now());
+            return !drive.is_idle();
+        });
+        if (!has_ended) {
+            drive.machine().give_up(errc::clock_stopped, line_->now());
+            drive.machine().notify(*line_);
+        }
+        return drive.last();
+    }
     // The parties that wait for the line: the drives by their numbers, then the cyclic reads together.
     static constexpr std::size_t reads_number = Plan.drives;
     static constexpr std::size_t others_number = Plan.drives + 1; // the program's own requests

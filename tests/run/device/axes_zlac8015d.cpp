@@ -288,6 +288,9 @@ TEST_CASE("axes with limits: `init` writes what follows from them, moves are ref
         r.belts.run(zlac8015d::enable_in{operating_mode::relative_position, synchronisation::asynchronous}));
     CHECK(r.belts.left().begin(travel_by{10_mm}) == errc::bad_argument);
     CHECK(r.belts.right().begin(travel_to{10_mm}) == errc::bad_argument);
+    CHECK(r.belts.begin(zlac8015d::move_left_by{10 * units::pulse}) == errc::bad_argument);
+    CHECK(r.belts.begin(zlac8015d::ramps{zlac8015d::time{500}, zlac8015d::time{500}}) == errc::bad_argument);
+    CHECK(r.belts.set_limits(brisk, gentle) == errc::wrong_state); // enabled
     rig without;
     REQUIRE(without.belts.run(init{}));
     CHECK(without.model.peek(0x2080) == 500); // as the program or the factory has set it

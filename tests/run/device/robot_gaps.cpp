@@ -108,7 +108,8 @@ TEST_CASE("G43: a gap in which the path bends both ways is within 1 mm of the wh
                 for (std::uint32_t late = 0; late <= 120; late += 40)
                     for (std::uint32_t gap = 0; gap <= 240; gap += 30) {
                         rig r{is_prompt, milliseconds(20)};
-                        REQUIRE(r.robot.run(zlac8015d::ramps{zlac8015d::time{ramp}, zlac8015d::time{ramp}}));
+                        for (std::uint16_t at = 0x2080; at <= 0x2083; ++at)
+                            r.drive.set(at, static_cast<std::uint16_t>(ramp));
                         r.go(c.from, 900);
                         if (r.robot.is_idle()) (void)r.robot.begin(c.to);
                         r.live(milliseconds(5 + late));
@@ -245,7 +246,8 @@ TEST_CASE("G43: wheels that were faster and slower in a gap, and have their spee
                 CAPTURE(ramp);
                 CAPTURE(part);
                 rig r{true, milliseconds(400)}; // the period is the gap
-                REQUIRE(r.robot.run(zlac8015d::ramps{zlac8015d::time{ramp}, zlac8015d::time{ramp}}));
+                for (std::uint16_t at = 0x2080; at <= 0x2083; ++at)
+                    r.drive.set(at, static_cast<std::uint16_t>(ramp));
                 const twist straight{700_mm_per_s, 0_rad_per_s};
                 const auto bent = [&](int sign) {
                     return twist{.speed = straight.speed, .turn = decltype(twist::turn){sign * turn * 1000}};
@@ -477,9 +479,11 @@ TEST_CASE("G43: lower limits keep the pose over longer gaps; the larger of both 
         unsigned n = 0;
         for (std::uint32_t gap = 60; gap <= 240; gap += 5) {
             rig r{true, milliseconds(gap)};
+            REQUIRE(r.robot.run(disable{}));
             REQUIRE(r.robot.set_limits({.top = 712_mm_per_s,
                                         .acceleration = in.faster * units::millisecond,
                                         .deceleration = in.slower * units::millisecond}) == errc::ok);
+            REQUIRE(r.robot.run(enable{}));
             r.go({690_mm_per_s, 0_rad_per_s}, 8000 + 3 * gap);
             r.robot.set_pose(r.robot.pose());
             (void)r.robot.begin(twist{691_mm_per_s, 0_rad_per_s});
@@ -490,8 +494,8 @@ TEST_CASE("G43: lower limits keep the pose over longer gaps; the larger of both 
     };
     const unsigned least = kept({8000, 8000}); // 10 r/min in a second
     CHECK(least > kept({400, 8000}));
-    CHECK(kept({8000, 200}) == kept({200, 200}));
-    CHECK(kept({200, 8000}) == kept({200, 200}));
+    CHECK(least > kept({8000, 200}) + 5);
+    CHECK(least > kept({200, 8000}) + 5);
     CHECK(kept({400, 400}) > kept({160, 160}));
 }
 

@@ -205,8 +205,8 @@ class run {
     void change_ramps() {
         ++played_.steep;
         const std::int32_t ms = one_in(2) ? 500 : 10 + static_cast<std::int32_t>(random_.below(300));
-        const zlac8015d::time time{ms};
-        (void)block(zlac8015d::ramps{time, time});
+        for (std::uint16_t at = 0x2080; at <= 0x2083; ++at)
+            w_.drive.set(at, static_cast<std::uint16_t>(ms)); // by another
     }
     void act() {
         const drive_state s = w_.robot.state();

@@ -328,6 +328,8 @@ TEST_CASE("`init` writes short ramps and the time of a stop without the program,
 
 TEST_CASE("limits that are none are refused, and change nothing") {
     rig r{options::ramp::begins_anew};
+    CHECK(r.robot.set_limits(limits) == errc::wrong_state); // it is enabled
+    REQUIRE(r.robot.run(disable{}));
     const auto refusal = [&](const axis_profile& by) { return r.robot.set_limits(by); };
     CHECK(refusal({}) == errc::bad_argument);
     CHECK(refusal({.top = 1_m_per_s, .acceleration = 500_ms}) == errc::bad_argument);
@@ -341,8 +343,11 @@ TEST_CASE("limits that are none are refused, and change nothing") {
           errc::out_of_range);
     CHECK(refusal({.top = 1_m_per_s, .acceleration = 500_ms, .deceleration = 17'001_ms}) ==
           errc::out_of_range);
+    REQUIRE(r.robot.run(enable{}));
     REQUIRE(r.robot.run(full));
     CHECK(r.drive.peek(0x2088) == 100);
+    REQUIRE(r.robot.run(halt{}));
+    REQUIRE(r.robot.run(disable{}));
     CHECK(refusal({.top = 32_m_per_s, .acceleration = 17_s, .deceleration = 17_s}) == errc::ok);
 }
 
@@ -358,6 +363,131 @@ TEST_CASE("no wheel is faster than the top speed: both slow down by one factor")
         CHECK(r.speeds().left == doctest::Approx(50).epsilon(0.02));
         CHECK(r.speeds().right == doctest::Approx(100).epsilon(0.01));
     }
+}
+
+TEST_CASE("speeds of the drive's own are a setpoint too; a setting leaves the one before") {
+    for (const options::ramp reading : readings)
+        for (std::uint32_t phase = 20; phase <= 50; phase += 5) {
+            rig r{reading};
+            const auto ordered_by = [&](const twist& by) {
+                CHECK(r.robot.begin(by) == errc::ok);
+                while (!r.robot.is_idle()) r.live(microseconds(100));
+                return static_cast<std::int16_t>(r.drive.peek(0x2088));
+            };
+            REQUIRE(r.robot.run(full));
+            r.live(milliseconds(phase));
+            REQUIRE(r.robot.run(zlac8015d::velocity{{}, {}}));
+            r.live(10_ms);
+            CHECK(ordered_by(twist_of(100, 0)) == 4); // it stands
+            REQUIRE(r.robot.run(halt{}));
+            REQUIRE(r.robot.run(zlac8015d::velocity{100 * units::r_per_min, -100 * units::r_per_min}));
+            r.live(10_ms);
+            CHECK(ordered_by(full) == 100);
+            REQUIRE(r.robot.run(zlac8015d::watchdog{600 * units::millisecond}));
+            CHECK(ordered_by(full) == 100);
+        }
+    robots::world slow{machine, base, {}, unsupervised};
+    REQUIRE(slow.robot.set_limits(limits) == errc::ok);
+    REQUIRE(slow.robot.run(init{}));
+    REQUIRE(slow.robot.run(enable{}));
+    REQUIRE(slow.robot.run(full));
+    REQUIRE(slow.robot.read());
+    REQUIRE(slow.robot.run(still));
+    REQUIRE(slow.robot.run(zlac8015d::watchdog{600 * units::millisecond}));
+    CHECK(slow.robot.begin(full) == errc::ok);
+    while (!slow.robot.is_idle()) slow.live(1_ms);
+    CHECK(slow.drive.peek(0x2088) <= 20); // 100 ms at most
+}
+
+TEST_CASE("low limits move the wheels too; a top speed below a count is refused") {
+    rig r{options::ramp::linear,
+          {.top = 17_mm_per_s, .acceleration = 17_s, .deceleration = 17_s}}; // 0.1 r/min in a second
+    for (std::uint32_t ms = 0; ms < 17'500; ms += 20) {
+        (void)r.robot.begin(full);
+        r.live(20_ms);
+    }
+    CHECK(r.drive.peek(0x2088) == 1);
+    rig none{options::ramp::linear, {.top = 9_mm_per_s, .acceleration = 1_s, .deceleration = 1_s}};
+    CHECK(none.robot.begin(full) == errc::out_of_range);
+}
+
+TEST_CASE("what `init` has written is not undone: ramps and the stop without the program") {
+    rig r{options::ramp::begins_anew};
+    REQUIRE(r.robot.run(disable{}));
+    using zlac8015d::time;
+    CHECK(r.robot.begin(zlac8015d::ramps{time{500}, time{500}}) == errc::bad_argument);
+    CHECK(r.robot.begin(zlac8015d::quick_stop_ramp{time{10}}) == errc::bad_argument);
+    CHECK(r.robot.begin(zlac8015d::quick_stop_by{zlac8015d::quick_stop_option::immediate}) ==
+          errc::bad_argument);
+    CHECK(r.drive.peek(0x2080) == 10);
+    CHECK(r.drive.peek(0x2084) == 469);
+}
+
+TEST_CASE("a restart ends that the robot changes its speed") {
+    rig r{options::ramp::begins_anew};
+    CHECK(r.robot.begin(full) == errc::ok);
+    r.live(20_ms);
+    CHECK(r.robot.is_changing_speed());
+    r.drive.power_cycle();
+    r.live(600_ms);
+    REQUIRE(r.robot.state() == drive_state::needs_init);
+    CHECK_FALSE(r.robot.is_changing_speed());
+}
+
+namespace {
+constexpr node<zlac8015d::device> at{1};
+constexpr poll_plan plan{modbus::timing_at(115200),
+                         controlled(at, {.feedback = milliseconds(25), .command_timeout = milliseconds(500)})
+                             .commands(milliseconds(50))};
+
+/// A line whose clock stops when it is told to.
+struct frozen_wire : sim::virtual_line {
+    using sim::virtual_line::virtual_line;
+    std::function<bool()> is_time{};
+    bool is_frozen = false;
+    instant stopped{};
+    unsigned looks = 0;
+
+    instant now() {
+        if (!is_frozen) return sim::virtual_line::now();
+        REQUIRE(++looks < 1'000'000);
+        return stopped;
+    }
+    void wait(duration d) {
+        if (is_frozen) return;
+        sim::virtual_line::wait(d);
+        if (!is_time || !is_time()) return;
+        stopped = sim::virtual_line::now();
+        is_frozen = true;
+    }
+};
+} // namespace
+
+TEST_CASE("a bus runs a twist until it is reached") {
+    robots::world w{machine, base};
+    REQUIRE(w.robot.set_limits(limits) == errc::ok);
+    auto all = make_bus<plan>(w.line, w.robot);
+    REQUIRE(all.run(w.robot, init{}));
+    REQUIRE(all.run(w.robot, enable{}));
+    REQUIRE(all.run(w.robot, full));
+    CHECK(w.drive.peek(0x2088) == 100);
+    CHECK_FALSE(w.robot.is_changing_speed());
+    REQUIRE(all.blocking(w.robot).run(still));
+    CHECK(w.drive.peek(0x2088) == 0);
+}
+
+TEST_CASE("a clock that stops between two setpoints ends a blocking call") {
+    robots::observed_drive drive{machine, {}};
+    sim::station<robots::observed_drive> station{drive};
+    frozen_wire wire{115200};
+    wire.attach(station);
+    line<frozen_wire> on{wire, modbus::timing_at(115200)};
+    zlac8015d::robot robot{on, 1, base, {.feedback = 20_ms, .command_timeout = 400_ms}};
+    REQUIRE(robot.set_limits(limits) == errc::ok);
+    REQUIRE(robot.run(init{}));
+    REQUIRE(robot.run(enable{}));
+    wire.is_time = [&] { return robot.is_idle() && robot.is_changing_speed(); };
+    CHECK(robot.run(full).error() == errc::clock_stopped);
 }
 
 } // namespace robot_shaping_tests

@@ -16,6 +16,7 @@
 #include <servobus/axis/axis_place.hpp>
 #include <servobus/control/axis_command.hpp>
 #include <servobus/control/axis_commands.hpp>
+#include <servobus/device/zlac8015d/commanded_motion.hpp>
 #include <servobus/device/zlac8015d/counted_model.hpp>
 #include <servobus/device/zlac8015d/drive.hpp>
 #include <servobus/device/zlac8015d/shaped_speeds.hpp>
@@ -48,13 +49,17 @@ class axes_model : public counted_model {
         shaped_[1].set_limits(right);
         stops_ = {left.stop_ms, right.stop_ms};
     }
+    /// The top speed in counts; 0 if it is below one.
+    constexpr std::int32_t top_counts(wheels which, const cached_settings& known) const {
+        return static_cast<std::int32_t>(shaped_[number_of(which)].top_in(known.resolution));
+    }
     /// The setpoint that is begun now on the way to a speed in counts.
     constexpr shaped_setpoint towards(wheels which, std::int32_t counts, instant now,
                                       const cached_settings& known) const {
-        const shaped_speeds& shaped = shaped_[number_of(which)];
-        const auto top = static_cast<std::int32_t>(shaped.top_in(known.resolution));
+        const std::int32_t top = top_counts(which, known);
         const std::int32_t within = counts > top ? top : counts < -top ? -top : counts;
-        return shaped.towards({within, 0}, {speeds_[number_of(which)], 0}, known.resolution, now);
+        return shaped_[number_of(which)].towards({within, 0}, {speeds_[number_of(which)], 0},
+                                                 known.resolution, now);
     }
     /// True while the last speed of the axis is not reached.
     constexpr bool is_changing(wheels which) const { return shaped_[number_of(which)].is_changing(); }
@@ -70,6 +75,8 @@ class axes_model : public counted_model {
         return model::stop_for(priority, known, is_first);
     }
     constexpr errc admit(prepared_command& c, duration lost) {
+        const bool needs_own_ramps = commanded_motion::sets_ramps(c) || c.then == effect::moved;
+        if (has_limits() && needs_own_ramps) return errc::bad_argument;
         if (c.is_shaped)
             shaped_[number_of(c.which)].begin(c.setpoint);
         else
@@ -89,9 +96,9 @@ class axes_model : public counted_model {
         return join_words(w[0], w[1], device::facts.word_order);
     }
     static constexpr std::size_t number_of(wheels which) { return which == wheels::left ? 0 : 1; }
-    // Any command but a read, a wait, and the speed of the other axis.
+    // Any command that may change a speed but that of the other axis.
     constexpr void forget_speeds(const prepared_command& c) {
-        if (c.then == effect::seen || c.then == effect::arrived) return;
+        if (commanded_motion::keeps_speeds(c)) return;
         if (!c.is_shaped || c.which == wheels::left) shaped_[0].forget();
         if (!c.is_shaped || c.which == wheels::right) shaped_[1].forget();
     }
@@ -173,6 +180,7 @@ constexpr axis_command plan_on_wheel(const travel_at& wanted, const detail::axis
     const errc lost = counts == 0 && wanted.speed.count() != 0 ? errc::out_of_range : errc::ok;
     c.refusal = detail::first_error(exact.error(), detail::first_error(lost, c.refusal));
     if (c.refusal != errc::ok || !on.model.has_limits()) return c;
+    if (on.model.top_counts(on.which, known) == 0) c.refusal = errc::out_of_range;
     c.which = on.which;
     c.setpoint = on.model.towards(on.which, counts, on.now, known);
     c.is_shaped = true;
@@ -195,8 +203,7 @@ template <class Drive> class axis_of_drive {
             const instant begun = drive_->line().now();
             const routine_status how = drive_->run(with_geometry(wanted));
             if (!how || !is_changing_speed()) return how;
-            while (since(begun, drive_->line().now()) < shaped_speeds::first_step)
-                drive_->line().sleep(drive_->step());
+            if (!shaped_speeds::pause(*drive_, begun)) return routine_status{errc::clock_stopped};
         }
     }
     /// Begins a command of this axis. With limits `travel_at` begins one setpoint on the way to its speed: a program
@@ -210,7 +217,9 @@ template <class Drive> class axis_of_drive {
         return {wanted, {drive_->model_of_axes(), which_, drive_->line().now()}};
     }
     /// True while the speed that was begun last is not reached: it is to be begun again.
-    constexpr bool is_changing_speed() const { return drive_->model_of_axes().is_changing(which_); }
+    constexpr bool is_changing_speed() const {
+        return drive_->model_of_axes().is_changing(which_) && state() == drive_state::enabled;
+    }
     constexpr drive_state state() const { return drive_->state(); }
     constexpr cached_settings cached() const { return drive_->cached(); }
 
@@ -281,6 +290,7 @@ template <class Line> class axes : public basic_drive<Line, axes_model> {
     /// setpoints by them, `travel_to` and `travel_by` are refused. The next `init` writes ramps of 10 ms, and the time
     /// in which the drive stops without the program, no harder than the limits. Errors as `robot::set_limits`.
     constexpr errc set_limits(const axis_profile& left, const axis_profile& right) {
+        if (this->state() == drive_state::enabled) return errc::wrong_state;
         const result<motor_speed> left_top = place(wheels::left).geometry().motor_speed_of(left.top);
         const result<motor_speed> right_top = place(wheels::right).geometry().motor_speed_of(right.top);
         const motor_speed none{0x8000};

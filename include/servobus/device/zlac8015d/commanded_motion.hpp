@@ -26,6 +26,23 @@ class commanded_motion {
     /// True if the drive may have had a target other than zero since the last feedback.
     constexpr bool could_move() const { return could_move_; }
 
+    /// True for a command that leaves the speeds as they are: a read, a wait, a setting.
+    static constexpr bool keeps_speeds(const prepared_command& c) {
+        const bool is_setting = c.then == effect::none || c.then == effect::timeout_set ||
+                                c.then == effect::speeds_set || c.then == effect::positions_cleared;
+        return is_without_motion(c) || (is_setting && c.stop == stop_priority::no_stop);
+    }
+    /// True if both speeds are ordered, as they are.
+    static constexpr bool sets_speeds(const prepared_command& c, routine steps) {
+        return c.then == effect::motion && steps.data() == routine{routines::velocity}.data();
+    }
+    /// True for what a drive with shaped setpoints has from its `init`: its ramps, and the stop without the program.
+    static constexpr bool sets_ramps(const prepared_command& c) {
+        const step* const table = c.steps.data();
+        return table == routine{routines::ramps}.data() ||
+               table == routine{routines::quick_stop_ramp}.data() ||
+               table == routine{routines::quick_stop_by}.data();
+    }
     /// True for a read or a wait.
     static constexpr bool is_without_motion(const prepared_command& c) {
         return c.then == effect::seen || c.then == effect::arrived;

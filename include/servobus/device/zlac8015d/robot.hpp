@@ -12,6 +12,7 @@
 #pragma once
 
 #include <cstdint>
+#include <type_traits>
 
 #include <servobus/axis/differential.hpp>
 #include <servobus/axis/odometry.hpp>
@@ -59,7 +60,8 @@ class robot_model : public counted_model {
     }
     /// The setpoint that is begun now on the way to a twist, as a command in velocity mode.
     constexpr prepared_command plan(const twist& wanted, instant now, const cached_settings& cached) const {
-        const wheel_speeds both = base_->wheels(wanted, cached.resolution, limit_in(cached));
+        const std::uint32_t limit = limit_in(cached);
+        const wheel_speeds both = base_->wheels(wanted, cached.resolution, limit == 0 ? 1 : limit);
         const measured_speeds seen{last_.left.speed, last_.right.speed};
         prepared_command c{routines::velocity};
         c.setpoint = shaped_.towards(both, seen, cached.resolution, now);
@@ -67,6 +69,7 @@ class robot_model : public counted_model {
         c.arguments = {c.setpoint.left_word(), c.setpoint.right_word()};
         c.then = effect::motion;
         c.refusal = zlac8015d::detail::needs(cached, operating_mode::velocity);
+        if (limit == 0) c.refusal = zlac8015d::detail::first_error(c.refusal, errc::out_of_range);
         return c;
     }
     /// True while the last twist is not reached.
@@ -116,18 +119,22 @@ class robot_model : public counted_model {
         return model::stop_for(priority, known, is_first);
     }
     constexpr errc admit(prepared_command& c, duration lost) {
+        if (commanded_motion::sets_ramps(c)) return errc::bad_argument;
         commanded_.begin(c);
         if (c.is_twist) {
             shaped_.begin(c.setpoint);
             note_step(c);
-        } else if (!commanded_motion::is_without_motion(c)) {
+        } else if (!commanded_motion::keeps_speeds(c)) {
             shaped_.forget();
         }
         return counted_model::admit(c, lost);
     }
     constexpr errc learn(prepared_command& c, const ending& e, settings& known) {
         commanded_.end(c, e);
-        if (!commanded_motion::is_without_motion(c) && !(c.is_twist && e.is_done)) shaped_.forget();
+        if (!c.is_twist && e.is_done && commanded_motion::sets_speeds(c, e.steps))
+            shaped_.know(c.arguments[0], c.arguments[1]);
+        else if (!commanded_motion::keeps_speeds(c) && !(c.is_twist && e.is_done))
+            shaped_.forget();
         if (c.is_twist) note_step(c);
         c.is_twist = false; // what follows is none
         if (is_save(e.steps) || c.then == effect::rescaled) known.mode = operating_mode::undefined;
@@ -254,15 +261,18 @@ template <class Line> class robot : public basic_drive<Line, robot_model> {
             const instant begun = this->line().now();
             const routine_status how = base::run(with_geometry(wanted));
             if (!how || !is_changing_speed()) return how;
-            while (since(begun, this->line().now()) < shaped_speeds::first_step)
-                this->line().sleep(this->step());
+            if (!shaped_speeds::pause(*this, begun)) return routine_status{errc::clock_stopped};
         }
     }
+    /// True for a command that its blocking call repeats until it is reached.
+    template <class Wanted> static constexpr bool repeats = std::is_same_v<Wanted, twist>;
     /// Begins one setpoint on the way to a twist. A program begins its latest twist every 20 ms or so, as a
     /// `setpoint_loop` does. Errors likewise.
     [[nodiscard]] constexpr errc begin(const twist& wanted) { return base::begin(with_geometry(wanted)); }
     /// True while the twist that was begun last is not reached: it is to be begun again.
-    constexpr bool is_changing_speed() const { return this->model().is_changing(); }
+    constexpr bool is_changing_speed() const {
+        return this->model().is_changing() && this->state() == drive_state::enabled;
+    }
     /// A twist with this robot's wheels, as `why` asks for it.
     constexpr detail::twist_of with_geometry(const twist& wanted) const {
         return {this->model(), wanted, this->line().now()};
@@ -283,9 +293,11 @@ template <class Line> class robot : public basic_drive<Line, robot_model> {
     /// a motor gains and loses 500 r/min in a second, and 2008h is the top. The next `init` writes the time in which
     /// the drive stops without the program, 2084h: no harder than the limits, by default 500 ms. Lower limits also keep
     /// the pose over longer gaps. Errors:
+    /// - `wrong_state` while the drive is enabled
     /// - `bad_argument` for a profile that is not whole or has a start
     /// - `out_of_range` above 3276 r/min of a motor, 6553 r/min in a second, or 17 s
     constexpr errc set_limits(const axis_profile& by) {
+        if (this->state() == drive_state::enabled) return errc::wrong_state;
         const wheel_speeds top = this->model().base().wheels({by.top, {}}, 10, 0x7FFF);
         const std::int32_t left = top.left < 0 ? -top.left : top.left;
         const std::int32_t right = top.right < 0 ? -top.right : top.right;

@@ -54,7 +54,7 @@ struct speed_limits {
     }
 };
 
-/// Speeds that are ordered next, in 2^-8 counts of 2088h and 2089h: what rounding to counts leaves is kept.
+/// Speeds that are ordered next, in 2^-14 counts of 2088h and 2089h: what rounding to counts leaves is kept.
 struct shaped_setpoint {
     std::int32_t left = 0;
     std::int32_t right = 0;
@@ -67,7 +67,7 @@ struct shaped_setpoint {
 
   private:
     static constexpr std::uint16_t word_of(std::int32_t fine) {
-        return static_cast<std::uint16_t>((fine + 128) >> 8);
+        return static_cast<std::uint16_t>((fine + 8192) >> 14);
     }
 };
 
@@ -86,6 +86,19 @@ class shaped_speeds {
     /// The step of a setpoint without one before it.
     static constexpr duration first_step = milliseconds(20);
 
+    /// Steps a drive until the next setpoint of a blocking call is due, which counts as a command of the program. False
+    /// if the clock stops.
+    template <class Drive> static bool pause(Drive& drive, instant begun) {
+        auto guard = drive.line().new_stall_detector();
+        while (since(begun, drive.line().now()) < first_step) {
+            drive.machine().note_command(drive.line().now());
+            const duration idle = drive.step();
+            if (guard.has_failed(drive.line().now())) return false;
+            drive.line().sleep(idle);
+        }
+        return true;
+    }
+
     constexpr void set_limits(const speed_limits& to) { limits_ = to; }
     constexpr const speed_limits& limits() const { return limits_; }
     /// The top speed in counts. `resolution`: the counts of a r/min.
@@ -99,10 +112,11 @@ class shaped_speeds {
                                       std::uint16_t resolution, instant now) const {
         const std::int32_t from_left = is_known_ ? last_.left : fine_of(measured.left, resolution);
         const std::int32_t from_right = is_known_ ? last_.right : fine_of(measured.right, resolution);
-        const duration step = is_known_ ? shorter_of(since(last_.begun, now), longest_step) : first_step;
+        const bool is_timed = is_known_ && is_timed_;
+        const duration step = is_timed ? shorter_of(since(last_.begun, now), longest_step) : first_step;
         const changes in_step{change_in(step, limits_.acceleration, resolution),
                               change_in(step, limits_.deceleration, resolution)};
-        shaped_setpoint next{wanted.left * 256, wanted.right * 256, now, step, true};
+        shaped_setpoint next{wanted.left * one_count, wanted.right * one_count, now, step, true};
         const std::int64_t left = next.left - from_left, right = next.right - from_right;
         const std::uint32_t part = largest_part(size_of(left), in_step.of(from_left, next.left),
                                                 size_of(right), in_step.of(from_right, next.right));
@@ -114,7 +128,14 @@ class shaped_speeds {
     }
     constexpr void begin(const shaped_setpoint& s) {
         last_ = s;
-        is_known_ = true;
+        is_known_ = is_timed_ = true;
+    }
+    /// The drive has acknowledged these words of its own speeds, which were not shaped.
+    constexpr void know(std::uint16_t left, std::uint16_t right) {
+        last_.left = static_cast<std::int16_t>(left) * one_count;
+        last_.right = static_cast<std::int16_t>(right) * one_count;
+        last_.is_last = is_known_ = true;
+        is_timed_ = false;
     }
     /// It is not known any more which speeds the drive is to have.
     constexpr void forget() { is_known_ = false; }
@@ -122,7 +143,8 @@ class shaped_speeds {
     constexpr bool is_changing() const { return is_known_ && !last_.is_last; }
 
   private:
-    static constexpr int bits = 20; // of a part
+    static constexpr std::int32_t one_count = 1 << 14;
+    static constexpr int bits = 30; // of a part
     static constexpr std::uint32_t whole = std::uint32_t{1} << bits;
 
     // By how much a wheel may become faster or slower in a step.
@@ -142,15 +164,15 @@ class shaped_speeds {
     static constexpr std::uint32_t size_of(std::int64_t v) {
         return static_cast<std::uint32_t>(v < 0 ? -v : v);
     }
-    // 256 / 10
+    // 2^14 / 10
     static constexpr std::int32_t fine_of(std::int16_t tenths, std::uint16_t resolution) {
-        return static_cast<std::int32_t>(std::int64_t{tenths} * resolution * 6554 >> 8);
+        return static_cast<std::int32_t>(std::int64_t{tenths} * resolution * 104'858 >> 6);
     }
-    // tenths * resolution * 256 / 10 in a second: 25.6e-6 is 1718 / 2^26.
+    // tenths * resolution * 2^14 / 10 in a second: 1638.4e-6 is 109 951 / 2^26.
     static constexpr std::uint32_t change_in(duration step, std::uint16_t tenths, std::uint16_t resolution) {
-        return static_cast<std::uint32_t>(std::uint64_t{tenths} * resolution * step.us * 1718 >> 26);
+        return static_cast<std::uint32_t>(std::uint64_t{tenths} * resolution * step.us * 109'951 >> 26);
     }
-    // The largest part, in 2^-20, of which neither change exceeds its limit; bit by bit, without a division.
+    // The largest part, in 2^-30, of which neither change exceeds its limit; bit by bit, without a division.
     static constexpr std::uint32_t largest_part(std::uint64_t left, std::uint32_t left_limit,
                                                 std::uint64_t right, std::uint32_t right_limit) {
         if (left <= left_limit && right <= right_limit) return whole;
@@ -166,6 +188,7 @@ class shaped_speeds {
     shaped_setpoint last_{};
     speed_limits limits_{};
     bool is_known_ = false;
+    bool is_timed_ = false; // the last one was begun at its time
 };
 
 } // namespace servobus::zlac8015d
