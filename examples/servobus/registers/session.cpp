@@ -185,8 +185,7 @@ int session::check(const arguments& asked, const target& of) {
 }
 
 // A late response must begin within the quarantine, which drops it. A longer timeout means a slower drive, whose
-// responses may be late by as much. A shorter timeout leaves the drive as slow as it is: its own limits still count. A
-// drive of which a short limit is known may be slower here: until it was measured, nothing is known of this one.
+// responses may be late by as much. A shorter timeout leaves the drive as slow as it is: its own limits still count.
 bool session::check_gaps(const arguments& asked) {
     const auto gap = asked.number("gap", 0, 60'000, facts_->gap.us / 1000);
     const auto quarantine = asked.number("quarantine", 0, 60'000, facts_->quarantine.us / 1000);
@@ -197,13 +196,10 @@ bool session::check_gaps(const arguments& asked) {
         node_.gaps.quarantine = servobus::milliseconds(static_cast<std::uint32_t>(*quarantine));
     }
     later_quarantine_ = node_.gaps.quarantine;
-    if (!has_quarantine_) {
-        constexpr servobus::profile unknown{.name = ""};
+    if (!has_quarantine_ && has_timeout_) {
         const servobus::duration wait = node_.limits.response;
-        servobus::duration usual = facts_->limits.response + facts_->quarantine;
-        if (facts_->quarantine == unknown.quarantine)
-            usual = longer_of(usual, unknown.limits.response + unknown.quarantine);
-        if (has_timeout_) later_quarantine_ = longer_of(later_quarantine_, wait);
+        const servobus::duration usual = facts_->limits.response + facts_->quarantine;
+        later_quarantine_ = longer_of(later_quarantine_, wait);
         if (wait < usual) later_quarantine_ = longer_of(later_quarantine_, usual - wait);
     }
     return true;
