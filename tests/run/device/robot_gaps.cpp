@@ -444,7 +444,22 @@ TEST_CASE("G43: a response that is late by up to 250 ms shows where the robot st
     CHECK(t.m.pose().is_continuous);
     CHECK(since(moved.time, t.m.pose().time) == 40_ms);
     CHECK(t.m.pose().x_mm() == 21_mm); // 160 counts of 534 mm / 4096
-    told_model held;                   // by a brake, perhaps: the pose is true at its time
+    told_model back; // a request without a response, then one that is answered by the response to it
+    back.note({0, 0, 449, -449});
+    back.note({61, -61, 449, -449});
+    back.note({245, -245, 449, -449}, 60_ms);
+    CHECK(back.m.pose().is_continuous);
+    back.drive({-400_mm_per_s, 0_rad_per_s});
+    told_model on = back;
+    back.note({215, -215, -200, 200});
+    CHECK_FALSE(back.m.pose().is_continuous); // or it went back
+    on.note({260, -260, 200, -200});
+    on.note({262, -262, -10, 10});
+    CHECK(on.m.pose().is_continuous);
+    on.note({256, -256, -40, 40}, 230_ms);
+    on.note({230, -230, -200, 200});
+    CHECK(on.m.pose().is_continuous); // too late for any response
+    told_model held;                  // by a brake, perhaps: the pose is true at its time
     held.note({1000, -1000});
     held.note({1000, -1000});
     const instant last = held.m.pose().time;

@@ -85,7 +85,8 @@ class robot_model : public counted_model {
             taken_ = r.taken;
             return;
         }
-        const bool is_known = r.epoch == epoch_ && is_path_known(steps_between(last_, now, took));
+        const bool is_known = r.epoch == epoch_ && !may_be_of_gap(now, r.taken) &&
+                              is_path_known(steps_between(last_, now, took));
         if (!is_known) odometry_.restart(now.left.position, now.right.position);
         odometry_.expect_arc(r.taken);
         (void)odometry_.update(now.left.position, now.right.position, r.taken);
@@ -93,6 +94,7 @@ class robot_model : public counted_model {
             stood_ = now;
             stood_at_ = r.taken;
         }
+        note_gap(now, r.taken, took);
         taken_ = r.taken;
         epoch_ = r.epoch;
         last_ = now;
@@ -145,6 +147,9 @@ class robot_model : public counted_model {
     }
 
   private:
+    /// No response is later than this after its request.
+    static constexpr duration latest_response = milliseconds(250);
+
     struct both_wheels {
         wheel_image left, right;
     };
@@ -186,11 +191,36 @@ class robot_model : public counted_model {
         const both_steps by = steps_between(before, now, took);
         return by.left.is_at_rest() && by.right.is_at_rest();
     }
+    // A request without a response leaves a gap that is longer than the one before by its limit at least. Its response
+    // may still come, late, and shows where the wheels were in the gap.
+    constexpr void note_gap(const both_wheels& now, instant taken, duration took) {
+        if (took > last_took_ + milliseconds(25)) {
+            gap_from_ = last_;
+            gap_to_ = now;
+            gap_at_ = taken;
+            has_gap_ = true;
+        }
+        last_took_ = took;
+    }
+    constexpr bool may_be_of_gap(const both_wheels& now, instant taken) const {
+        if (!has_gap_ || !(since(gap_at_, taken) < latest_response)) return false;
+        const bool is_at_end = is_near(now.left, gap_to_.left) && is_near(now.right, gap_to_.right);
+        return !is_at_end && is_between(now.left, gap_from_.left, gap_to_.left) &&
+               is_between(now.right, gap_from_.right, gap_to_.right);
+    }
+    static constexpr bool is_near(const wheel_image& a, const wheel_image& b) {
+        return a.position - b.position + 5u <= 10u; // it trembles
+    }
+    static constexpr bool is_between(const wheel_image& now, const wheel_image& from, const wheel_image& to) {
+        if (is_near(now, from) || is_near(now, to)) return true;
+        const auto way = static_cast<std::int32_t>(to.position - from.position);
+        const auto gone = static_cast<std::int32_t>(now.position - from.position);
+        return way < 0 ? gone < 0 && gone > way : gone > 0 && gone < way;
+    }
     // Wheels that are to move and are seen where they stood: the response may be a late one to an earlier request.
     constexpr bool may_be_late(const both_wheels& now, instant taken) const {
-        constexpr duration latest = milliseconds(250);
         const duration ago = since(stood_at_, taken);
-        return commanded_.could_move() && ago < latest && is_still(stood_, now, ago);
+        return commanded_.could_move() && ago < latest_response && is_still(stood_, now, ago);
     }
     static constexpr bool is_save(routine steps) { return steps.data() == routine{routines::save}.data(); }
     constexpr void note_step(const prepared_command& c) {
@@ -215,6 +245,11 @@ class robot_model : public counted_model {
     both_wheels stood_{};
     instant taken_{}; // the last feedback
     instant stood_at_{};
+    both_wheels gap_from_{}; // the last time without feedback
+    both_wheels gap_to_{};
+    instant gap_at_{};
+    duration last_took_{};
+    bool has_gap_ = false;
     commanded_motion commanded_{};
     shaped_speeds shaped_{};
     std::uint16_t epoch_ = 0;
