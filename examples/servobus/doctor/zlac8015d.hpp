@@ -181,7 +181,7 @@ inline constexpr check table[] = {
 
     {matters, {zlac::host_timeout}, is_zero,
      "0 was off on drives that came with it: the wheels run on when the line is lost. The manual does not say so; an "
-     "enable is refused where the time is always over",
+     "enable is refused if the time is always over",
      {.write = "host_timeout=1000"}},
     {matters, {zlac::host_timeout}, is_short,
      "the drive stops when a single response is lost; an enable is refused if such a stop lasts",
