@@ -20,7 +20,7 @@ inline constexpr feed wheel =
 inline constexpr auto base = differential::of({.left = wheel, .right = mirrored(wheel), .track = 400_mm});
 // A new drive is reported once as `power_cycle`: it keeps the resolution, and counts so from the next power-on.
 inline constexpr take_over set_up{z::resolution{10}, z::watchdog{500_ms}};
-// Of a wheel over the ground. The robot shapes its setpoints by them.
+// A wheel over the ground keeps to them: the robot shapes its setpoints.
 inline constexpr axis_profile limits{.top = 1200_mm_per_s, .acceleration = 600_ms, .deceleration = 400_ms};
 
 template <class Line> class robot {

@@ -88,7 +88,7 @@ struct division {
     std::uint32_t whole;
     std::uint32_t rest;
 };
-// That of the run-time library takes 700 bytes on a small core.
+// The division of the run-time library takes 700 bytes on a small core.
 constexpr division divided(std::uint32_t left, std::uint32_t by) {
     std::uint32_t rest = 0;
     for (int bit = 0; bit < 32; ++bit) {

@@ -137,7 +137,7 @@ class shaped_speeds {
         last_.is_last = is_known_ = true;
         is_timed_ = false;
     }
-    /// It is not known any more which speeds the drive is to have.
+    /// Forgets the last setpoint: the speeds that the drive is to have are not known any more.
     constexpr void forget() { is_known_ = false; }
     /// True while the last setpoint leads to other speeds.
     constexpr bool is_changing() const { return is_known_ && !last_.is_last; }
