@@ -275,6 +275,12 @@ TEST_CASE("an axis with limits changes its speed within them, each for itself") 
     REQUIRE(r.belts.run(halt{}));
     r.order(r.belts.left(), travel_at{300_mm_per_s});
     CHECK(r.left() == 4);
+    // Speeds of the drive's own are setpoints too, before any feedback has shown them.
+    REQUIRE(r.belts.run(zlac8015d::velocity{80 * units::r_per_min, 60 * units::r_per_min}));
+    r.order(r.belts.left(), travel_at{300_mm_per_s});
+    CHECK(r.left() == 84);
+    r.order(r.belts.right(), travel_at{100_mm_per_s}); // mirrored: it slows down, 200 r/min in a second
+    CHECK(r.right() == 56);
 }
 
 TEST_CASE("axes with limits: `init` writes what follows from them, moves are refused") {

@@ -85,7 +85,12 @@ class axes_model : public counted_model {
     }
     constexpr errc learn(prepared_command& c, const ending& e, settings& known) {
         if (e.is_done && c.carries) (c.which == wheels::left ? left_ : right_).keep(c.rest);
-        if (!c.is_shaped || !e.is_done) forget_speeds(c);
+        if (e.is_done && !c.is_shaped && commanded_motion::sets_speeds(c, e.steps)) {
+            shaped_[0].know(c.arguments[0], 0);
+            shaped_[1].know(c.arguments[1], 0);
+        } else if (!c.is_shaped || !e.is_done) {
+            forget_speeds(c);
+        }
         c.carries = c.is_shaped = false;
         return learn_counts(c, e, known, left_.geometry().counts_of_motor_turn(),
                             right_.geometry().counts_of_motor_turn(), stops_);

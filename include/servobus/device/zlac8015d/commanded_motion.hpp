@@ -32,7 +32,7 @@ class commanded_motion {
                                 c.then == effect::speeds_set || c.then == effect::positions_cleared;
         return is_without_motion(c) || (is_setting && c.stop == stop_priority::no_stop);
     }
-    /// True if both speeds are ordered, as they are.
+    /// True for the routine of a twist: the speeds of both wheels.
     static constexpr bool sets_speeds(const prepared_command& c, routine steps) {
         return c.then == effect::motion && steps.data() == routine{routines::velocity}.data();
     }
@@ -56,7 +56,7 @@ class commanded_motion {
     constexpr void end(const prepared_command& c, const ending& e) {
         note(c, e.steps);
         if (is_without_motion(c)) return;
-        has_twist_ = e.is_done && is_twist(c, e.steps);
+        has_twist_ = e.is_done && sets_speeds(c, e.steps);
         left_ = c.arguments[0];
         right_ = c.arguments[1];
         if (e.is_done && c.then == effect::motion) may_move_ = moves(c, e.steps);
@@ -68,11 +68,8 @@ class commanded_motion {
     }
 
   private:
-    static constexpr bool is_twist(const prepared_command& c, routine steps) {
-        return c.then == effect::motion && steps.data() == routine{routines::velocity}.data();
-    }
     static constexpr bool moves(const prepared_command& c, routine steps) {
-        if (is_twist(c, steps)) return (c.arguments[0] | c.arguments[1]) != 0;
+        if (sets_speeds(c, steps)) return (c.arguments[0] | c.arguments[1]) != 0;
         return c.then == effect::motion || c.then == effect::moved;
     }
     static constexpr bool stops(const prepared_command& c) {
@@ -80,7 +77,7 @@ class commanded_motion {
     }
     constexpr void note(const prepared_command& c, routine steps) {
         const bool is_repeated =
-            has_twist_ && is_twist(c, steps) && c.arguments[0] == left_ && c.arguments[1] == right_;
+            has_twist_ && sets_speeds(c, steps) && c.arguments[0] == left_ && c.arguments[1] == right_;
         is_new_ = is_new_ || (!is_repeated && !is_without_motion(c));
     }
 
