@@ -25,6 +25,7 @@ inline constexpr axis_profile limits{.top = 1200_mm_per_s, .acceleration = 600_m
 
 template <class Line> class robot {
   public:
+    // Presumes a drive that responds within 30 ms, and is never late by more than 70 ms: `servobus doctor` measures it.
     explicit robot(Line& wire)
         : wheels_{wire, prompt(node<z::device>{1}), base, {.feedback = 20_ms, .command_timeout = 300_ms}} {
         (void)wheels_.set_limits(limits); // within what a drive can count

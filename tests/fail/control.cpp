@@ -230,7 +230,7 @@ inline constexpr poll_plan plan_14{modbus::timing_at(115200), controlled(node<zl
     own_requests(node<zlac::device>{9}, milliseconds(500), 125)};
 consteval node<zlac::device> quick(std::uint8_t address) {
     node<zlac::device> n{address};
-    n.limits.response = n.gaps.quarantine = milliseconds(58);
+    n.gaps.quarantine = milliseconds(80);
     return n;
 }
 constexpr supervision supervised_by_default{.feedback = milliseconds(20), .command_timeout = milliseconds(300)};

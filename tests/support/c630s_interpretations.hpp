@@ -46,13 +46,13 @@ struct interpretation {
 
 namespace detail {
 inline const std::vector<unsigned> sizes{5, 2, 3, 2, 3, 2, 2, 2, 2, 2, 2, 2};
-inline const std::vector<unsigned> other_sizes{2, 2, 2, 2, 2, 2, 2};
+inline const std::vector<unsigned> sizes_of_field{2, 2, 2, 2, 2, 2, 2};
 } // namespace detail
 
 /// The number of positions of each switch of `options_of`.
 inline std::vector<unsigned> switches() {
     std::vector<unsigned> all = detail::sizes;
-    all.insert(all.end(), detail::other_sizes.begin(), detail::other_sizes.end());
+    all.insert(all.end(), detail::sizes_of_field.begin(), detail::sizes_of_field.end());
     return all;
 }
 
@@ -80,7 +80,7 @@ inline servobus::sim::c630s_options options_of(const choice& c) {
 }
 
 namespace detail {
-inline std::vector<choice> choices_of_run() { return ::interpretations::chosen(sizes, other_sizes); }
+inline std::vector<choice> choices_of_run() { return ::interpretations::chosen(sizes, sizes_of_field); }
 } // namespace detail
 
 /// All interpretations, the default first.

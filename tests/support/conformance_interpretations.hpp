@@ -1,8 +1,9 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// The interpretations of each manual for the judges of sim/conformance.hpp, by number: 0 is the simulated drive's
-// default, then follows each position of each switch alone, then choices that contain every pair of positions.
+// The interpretations of each manual for the judges of sim/conformance.hpp, by number. 0 is the simulated drive's
+// default. Then follow each position of each switch alone, and all that the field has shown together. The last ones
+// contain every pair of positions.
 #pragma once
 
 #include <vector>
@@ -18,30 +19,33 @@ namespace subjects {
 
 using ::interpretations::choice;
 
-/// `Manual` has the switches of a simulated drive and how many interpretations follow from them: each alone, and all.
+/// `Manual` has the switches of a simulated drive and which of them are the field's. The judges play `count`
+/// interpretations: the default, each alone, and all of the field's.
 template <class Manual> struct interpretations {
-    static constexpr unsigned count =
-        Manual::alone; // for the runs that the judges themselves spread over all
+    static constexpr unsigned count = Manual::count;
     static const std::vector<choice>& choices() {
-        static const std::vector<choice> found = ::interpretations::all_pairs(Manual::switches());
+        static const std::vector<choice> found =
+            ::interpretations::all_pairs(Manual::switches(), Manual::first_of_field());
         return found;
     }
     static auto options(unsigned interpretation) { return Manual::options_of(choices()[interpretation]); }
-    static unsigned alone() {
-        unsigned sum = 1;
+    static unsigned counted() {
+        unsigned sum = Manual::first_of_field() < Manual::switches().size() ? 2 : 1;
         for (const unsigned positions : Manual::switches()) sum += positions - 1;
         return sum;
     }
 };
 
 struct zlac8015d_manual {
-    static constexpr unsigned alone = 18;
+    static constexpr unsigned count = 20;
     static std::vector<unsigned> switches() { return zlac8015d_interpretations::switches(); }
+    static std::size_t first_of_field() { return zlac8015d_interpretations::sizes.size(); }
     static auto options_of(const choice& c) { return zlac8015d_interpretations::options_of(c); }
 };
 
 struct yako_manual {
-    static constexpr unsigned alone = 24;
+    static constexpr unsigned count = 24;
+    static std::size_t first_of_field() { return switches().size(); } // no Modbus program of one was found
     /// Those of the safety scenes, and three that requests of the judges reach: a damaged request, a read of a command
     /// register, and a restart after a restored EEPROM.
     static std::vector<unsigned> switches() {
@@ -60,8 +64,9 @@ struct yako_manual {
 };
 
 struct c630s_manual {
-    static constexpr unsigned alone = 25;
+    static constexpr unsigned count = 26;
     static std::vector<unsigned> switches() { return c630s_interpretations::switches(); }
+    static std::size_t first_of_field() { return c630s_interpretations::detail::sizes.size(); }
     static auto options_of(const choice& c) { return c630s_interpretations::options_of(c); }
 };
 

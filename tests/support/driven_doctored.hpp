@@ -82,6 +82,8 @@ held_registers read_of(Model& model, const check_list& list, const servobus::cat
     held_registers held;
     held.on.baud = model.baud();
     held.on.format = map.device->format;
+    held.on.response_ms = map.device->limits.response.us / 1000;
+    held.on.quarantine_ms = map.device->quarantine.us / 1000;
     held.on.period_ms = 600; // no ramp from the factory is longer
     const std::uint32_t before = model.writes();
     const auto rows = tool::diagnosis::rows_of(list, map);

@@ -73,8 +73,10 @@ struct driven_zlac8015d {
     /// of the line.
     explicit driven_zlac8015d(servobus::sim::zlac8015d_options options = {},
                               const servobus::supervision& by = servobus::unsupervised,
-                              std::uint64_t seed = 1)
-        : model{options}, wire{115200, seed}, drive{line, 1, by}, interpretations{options} {
+                              std::uint64_t seed = 1,
+                              const servobus::node<servobus::zlac8015d::device>& at =
+                                  servobus::node<servobus::zlac8015d::device>{1})
+        : model{options}, wire{115200, seed}, drive{line, at, by}, interpretations{options} {
         if (options.code_1 == servobus::sim::zlac8015d_options::brake::releases) {
             set_by_hand(0x201A, 1);
             set_by_hand(0x201B, 1);

@@ -24,10 +24,18 @@ inline std::size_t switched(const choice& c) {
     return n;
 }
 
+/// The last position of each switch from `first_of_field` on.
+inline choice all_of_field(const std::vector<unsigned>& sizes, std::size_t first_of_field) {
+    choice all(sizes.size(), 0);
+    for (std::size_t i = first_of_field; i < sizes.size(); ++i) all[i] = sizes[i] - 1;
+    return all;
+}
+
 /// A small set of choices that contains each position of each switch alone, and each pair of positions of two
-/// switches. `sizes` has the number of positions of each switch. The first choice is 0 everywhere, the
-/// simulator's default.
-inline std::vector<choice> all_pairs(const std::vector<unsigned>& sizes) {
+/// switches. `sizes` has the number of positions of each switch; from `first_of_field` on they are those that only the
+/// field has shown to be open. The first choice is 0 everywhere, the simulator's default. Then come the positions
+/// alone, then all that the field has shown together.
+inline std::vector<choice> all_pairs(const std::vector<unsigned>& sizes, std::size_t first_of_field) {
     const std::size_t n = sizes.size();
     std::size_t most = 1;
     for (const unsigned size : sizes) most = size > most ? size : most;
@@ -53,6 +61,7 @@ inline std::vector<choice> all_pairs(const std::vector<unsigned>& sizes) {
             keep(alone);
         }
     }
+    if (first_of_field < n) keep(all_of_field(sizes, first_of_field));
     for (std::size_t a = 0; a < n; ++a) {
         for (std::size_t b = a + 1; b < n; ++b) {
             for (unsigned x = 0; x < sizes[a]; ++x) {
@@ -101,22 +110,24 @@ inline std::vector<choice> whole_product(const std::vector<unsigned>& sizes) {
     return found;
 }
 
-/// The choices under which a safety test runs. The whole product is that of `sizes`. In it the switches of `others`
-/// change from choice to choice, so that each of their positions is there with many choices.
+/// The choices under which a safety test runs. `of_field`: the switches that only the field has shown to be open. The
+/// whole product is that of `sizes`. In it the switches of the field change from choice to choice, so that each of
+/// their positions is there with many choices.
 inline std::vector<choice> chosen(const std::vector<unsigned>& sizes,
-                                  const std::vector<unsigned>& others = {}) {
+                                  const std::vector<unsigned>& of_field = {}) {
     std::vector<unsigned> all = sizes;
-    all.insert(all.end(), others.begin(), others.end());
+    all.insert(all.end(), of_field.begin(), of_field.end());
     const char* wanted = std::getenv("SERVOBUS_INTERPRETATIONS");
     const std::string_view how = wanted == nullptr ? "" : wanted;
     if (how == "default") return {choice(all.size(), 0)};
-    if (how != "whole") return all_pairs(all);
+    if (how != "whole") return all_pairs(all, sizes.size());
     std::vector<choice> product = whole_product(sizes);
-    const std::vector<choice> beside = whole_product(others);
+    const std::vector<choice> beside = whole_product(of_field);
     for (std::size_t i = 0; i < product.size(); ++i) {
         const choice& other = beside[(i * 7) % beside.size()];
         product[i].insert(product[i].end(), other.begin(), other.end());
     }
+    if (!of_field.empty()) product.push_back(all_of_field(all, sizes.size()));
     return product;
 }
 

@@ -63,7 +63,6 @@ struct plan_reference {
     }
     u64 longest_response() const {
         u64 longest = 0;
-        for (const poll& p : polls) longest = std::max<u64>(longest, p.limits.response.us);
         for (const controlled_node& d : drives) longest = std::max<u64>(longest, d.limits.response.us);
         return longest;
     }

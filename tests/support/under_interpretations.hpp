@@ -23,12 +23,12 @@
 
 namespace interpretations {
 
-/// Plays `scenes(choice)` under each choice, which has the positions of `others` behind those of `sizes`. Prints the
+/// Plays `scenes(choice)` under each choice, which has the positions of `of_field` behind those of `sizes`. Prints the
 /// number of choices and scenes if SERVOBUS_INTERPRETATIONS is set.
 template <class Scenes>
 void under(const char* drive, const std::vector<unsigned>& sizes, const Scenes& scenes,
-           const std::vector<unsigned>& others = {}) {
-    const std::vector<choice> all = chosen(sizes, others);
+           const std::vector<unsigned>& of_field = {}) {
+    const std::vector<choice> all = chosen(sizes, of_field);
     std::size_t played = 0;
     for (const choice& c : all) {
         const std::string positions = name(c);

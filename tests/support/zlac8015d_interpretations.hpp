@@ -15,17 +15,18 @@ namespace zlac8015d_interpretations {
 using options = servobus::sim::zlac8015d_options;
 
 inline const std::vector<unsigned> sizes{2, 2, 2, 2, 2, 2, 3, 2, 2, 2};
-/// Those that only the field has shown to be open. The speeds of moves are in their default position, since not all
-/// promises hold yet in the other one [B31].
-inline const std::vector<unsigned> other_sizes{2, 1, 2, 2, 2, 2, 2};
+/// Those that only the field has shown to be open.
+inline const std::vector<unsigned> sizes_of_field{2, 2, 2, 2, 2, 2, 2};
 
 /// The number of positions of each switch of `options_of`.
 inline std::vector<unsigned> switches() {
     std::vector<unsigned> all = sizes;
-    all.insert(all.end(), other_sizes.begin(), other_sizes.end());
+    all.insert(all.end(), sizes_of_field.begin(), sizes_of_field.end());
     return all;
 }
 
+/// Moves show no speed only where the running bit says whether a wheel turns. Otherwise a wheel that turns after a stop
+/// shows in no register [B31].
 inline options options_of(const interpretations::choice& c) {
     return {.resumes_after_watchdog = c[0] == 0,
             .save = static_cast<options::kept>(c[1]),
@@ -38,7 +39,7 @@ inline options options_of(const interpretations::choice& c) {
             .by_fault = static_cast<options::switched_off>(c[8]),
             .code_1 = static_cast<options::brake>(c[9]),
             .idle_shaft = static_cast<options::idle>(c[10]),
-            .shows_speed_of_moves = c[11] == 0,
+            .shows_speed_of_moves = c[11] == 0 || c[6] != 0,
             .position_start = static_cast<options::start>(c[12]),
             .enables_without_mode = c[13] != 0,
             .speed_ramp = static_cast<options::ramp>(c[14]),
@@ -50,7 +51,7 @@ inline options options_of(const interpretations::choice& c) {
 template <class Scenes> void under(const Scenes& scenes) {
     interpretations::under(
         "zlac8015d", sizes, [&](const interpretations::choice& c) { return scenes(options_of(c)); },
-        other_sizes);
+        sizes_of_field);
 }
 
 } // namespace zlac8015d_interpretations

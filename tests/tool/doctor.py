@@ -5,13 +5,14 @@
 Which states of a drive refuse an enable is tested against the facades, in tests/run/tool/doctor_*.cpp.
 """
 import csv
+import math
 import os
 import re
 import signal
 import sys
 import threading
 import tty
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
@@ -19,6 +20,7 @@ from any_device import Device, Gateway, on_terminal
 from doctor_runs import Doctor
 from programs import lines_of, play_tool, scene, until
 from terminal import Terminal
+from troubled_line import Troubles, troubled_line
 
 ROOT = Path(__file__).resolve().parents[2]
 PAGE = (ROOT / "examples/servobus/README.md").read_text("utf-8")
@@ -27,7 +29,8 @@ IS_WINE = bool(os.environ.get("ON_WINE"))
 
 def plain(text: str) -> list[str]:
     """Times differ from run to run."""
-    return lines_of(re.sub(r"[0-9]+\.[0-9]", "0.0", text).replace("; 2000 ms are", "; 100 ms are"))
+    lines = lines_of(re.sub(r"[0-9]+\.[0-9]", "0.0", text).replace("; 2000 ms are", "; 100 ms are"))
+    return [line for line in lines if " in a program: " not in line]  # a busy machine responds late
 
 
 @scene()
@@ -255,6 +258,47 @@ def late_responses(tool: Doctor):
         device.delays = [0, 0, 0, 0.8]
         tool.run(f"doctor {port} meter.csv --timeout 4000")
         tool.finds("one that is later than all others", "matters", "a response began after ", "beyond the 4000 ms that are allowed")
+
+
+def limits_for(most: float) -> set[int]:
+    """The response limits that follow from the longest time as it is printed, with a decimal."""
+    times = [math.ceil(most - 0.05), math.ceil(most + 0.05)]
+    return {math.ceil(max(30, 2 * ms, ms + 16) / 10) * 10 for ms in times}
+
+
+@scene(
+    ("yako-closed-loop", "yako::closed_loop::device", 100, 0),
+    ("yako-open-loop", "yako::open_loop::device", 100, 0),
+    ("c630s", "c630s::device", 100, 0),
+    ("zlac8015d", "zlac8015d::device", 30, 0),
+    ("meter.csv", "device", 100, 0.06),
+    ("zlac8015d", "zlac8015d::device", 30, 0.03),
+)
+def limit_in_a_program(tool: Doctor, device: str, type_name: str, usual: int, delay: float):
+    """The line of code that states a response limit, where that of the profile does not fit what was measured."""
+    with ExitStack() as stack:
+        port = "drive"
+        if device == "meter.csv":
+            tool.write(device, "address,name\n1,one\n")
+            slow = Device()
+            slow.delays = [delay] * 100
+            port = stack.enter_context(on_terminal(slow))
+        else:
+            stack.enter_context(tool.simulated(device))
+            if delay:
+                port = stack.enter_context(troubled_line([tool.folder / "drive"], Troubles(delay=delay), 1))
+        tool.run(f"doctor {port} {device}:1 --timeout 2000")
+    measured = re.search(r"([0-9.]+) ms \(least, median, most\)", tool.last.out)
+    tool.check(f"{device}, {delay}: it measures", measured, tool.found())
+    if not measured:
+        return
+    stated = re.findall(r"(?m)^line +in a program: (.*)$", tool.last.out)
+    wanted = ["" if usual / 2 < ms <= usual else
+              f"prompt(node<{type_name}>{{1}}, milliseconds({ms})) waits {ms} ms for a response; by default it is {usual} ms"
+              for ms in limits_for(float(measured[1]))]
+    tool.check(f"{device}, {delay}: the code that states the limit", "".join(stated) in wanted, f"{wanted}\n{tool.found()}")
+    if delay:
+        tool.check(f"{device}, {delay}: and a slow one has such a line", len(stated) == 1, tool.found())
 
 
 @scene()

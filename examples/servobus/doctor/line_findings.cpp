@@ -48,6 +48,31 @@ line_terms terms_of(const report& to, const std::string& port, const target& of,
     return t;
 }
 
+// The response limit of a program whose responses began after `most`. An adapter's latency timer may take 16 ms.
+unsigned limit_for(servobus::duration most) {
+    const unsigned ms = (most.us + 999) / 1000;
+    return (std::max({30u, 2 * ms, ms + 16}) + 9) / 10 * 10;
+}
+
+// As a program names the device. The header that `servobus cpp` makes of a file has a `device` too.
+std::string type_of(const target& of) {
+    const std::string name = of.kind->word();
+    if (of.kind->file != nullptr) return "device";
+    if (name == "yako-closed-loop") return "yako::closed_loop::device";
+    if (name == "yako-open-loop") return "yako::open_loop::device";
+    return name + "::device";
+}
+
+// The line of code that states the limit, where the profile's is too short, or far longer than it needs to be.
+void state_limit(report& to, const target& of, const session& on, const line_account& heard) {
+    const unsigned usual = of.facts().limits.response.us / 1000;
+    const unsigned wanted = limit_for(heard.most());
+    if (on.port().is_network() || !heard.is_reliable() || (wanted <= usual && wanted > usual / 2)) return;
+    const std::string ms = std::to_string(wanted);
+    to.line("in a program: prompt(node<" + type_of(of) + ">{" + std::to_string(of.node) + "}, milliseconds(" +
+            ms + ")) waits " + ms + " ms for a response; by default it is " + std::to_string(usual) + " ms");
+}
+
 } // namespace
 
 void judge_port(report& to, const std::string& port) {
@@ -103,6 +128,7 @@ void explain_silence(report& to, const std::string& port, const target& of, serv
                                    : "plug the adapter in, and check its cable");
     }
     (void)on.hear({}, on.response_limit() + milliseconds(1500)); // a late response belongs to no later read
+    const bool is_first = ear.account().asked == 0;
     ear.ask(reads, *asked.row, asked.in);
     const std::vector<remark> remarks = remarks_on(ear.account(), terms_of(to, port, of, on));
     if (remarks.empty()) {
@@ -116,6 +142,7 @@ void explain_silence(report& to, const std::string& port, const target& of, serv
     }
     to.refuse(remarks[0].what, remarks[0].act);
     for (std::size_t i = 1; i < remarks.size(); ++i) to.warn(remarks[i].what, remarks[i].act);
+    if (is_first && ear.account().answered != 0) state_limit(to, of, on, ear.account());
 }
 
 void judge_responses(report& to, const std::string& port, const target& of, session& on, line_hearing& ear,
@@ -128,6 +155,7 @@ void judge_responses(report& to, const std::string& port, const target& of, sess
                 setting_of(on) + (heard.answered == 1 ? " has" : " have") +
                 " a response, which begins after " + ms_text(heard.least()) + ", " + ms_text(heard.median()) +
                 ", " + ms_text(heard.most()) + " ms (least, median, most); " + allowed);
+        state_limit(to, of, on, heard);
     }
     const std::vector<remark> remarks = remarks_on(heard, terms_of(to, port, of, on));
     for (const remark& r : remarks) heard.is_reliable() ? to.warn(r.what, r.act) : to.refuse(r.what, r.act);

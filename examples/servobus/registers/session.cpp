@@ -148,6 +148,13 @@ std::optional<rate_and_format> parse_rate_and_format(const arguments& asked, rat
     return rate_and_format{otherwise.baud, *parsed};
 }
 
+// A profile may state a short limit, as drives have shown. The tool meets drives that are not measured yet. It waits at
+// least as long as for a device of which nothing is known.
+static servobus::duration usual_response(const servobus::profile& facts) {
+    constexpr servobus::profile unknown{.name = ""};
+    return longer_of(facts.limits.response, unknown.limits.response);
+}
+
 int session::check(const arguments& asked, const target& of) {
     if (any_port::is_network(asked.words()[0]) && !leaves_setting_to_gateway(asked)) return usage;
     if (of.is_peer() && !any_port::is_mbap(asked.words()[0])) return refuse_peer(of);
@@ -162,7 +169,7 @@ int session::check(const arguments& asked, const target& of) {
     node_.gaps = {.gap = facts.gap, .quarantine = facts.quarantine};
 
     const auto setting = parse_rate_and_format(asked, {facts.baud, facts.format});
-    const auto timeout = asked.number("timeout", 1, 60'000, facts.limits.response.us / 1000);
+    const auto timeout = asked.number("timeout", 1, 60'000, usual_response(facts).us / 1000);
     const auto retries = asked.number("retries", 0, 100, facts.read_retries);
     if (!setting || !timeout || !retries) return usage;
     settings_.baud = setting->baud;
@@ -198,7 +205,7 @@ bool session::check_gaps(const arguments& asked) {
     later_quarantine_ = node_.gaps.quarantine;
     if (!has_quarantine_ && has_timeout_) {
         const servobus::duration wait = node_.limits.response;
-        const servobus::duration usual = facts_->limits.response + facts_->quarantine;
+        const servobus::duration usual = usual_response(*facts_) + facts_->quarantine;
         later_quarantine_ = longer_of(later_quarantine_, wait);
         if (wait < usual) later_quarantine_ = longer_of(later_quarantine_, usual - wait);
     }

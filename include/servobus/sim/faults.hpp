@@ -33,7 +33,9 @@ struct fault_plan {
     std::uint16_t noise_before = 0;       ///< 1 to 4 random bytes right before the response
     std::uint16_t noise_after = 0;        ///< 1 to 4 random bytes right after it
     std::uint16_t corrupted_response = 0; ///< one byte with wrong bits
-    duration late_by = milliseconds(150); ///< in addition to the device's own delay
+    /// In addition to the device's own delay. By default beyond the response limit of each node, and within its limit
+    /// and quarantine.
+    duration late_by = milliseconds(120);
     /// From the end of a response to the start of its copy. With more than t3.5 the copy can be taken as the
     /// response to the next request: a client cannot distinguish them.
     duration doubled_after = milliseconds(1);

@@ -103,14 +103,23 @@ constexpr std::uint32_t second = 6000 + 9168 + 50'000 + 150'000 + 10'314 + 150'0
 constexpr std::uint32_t of_8 = 20'000 + 9168;
 constexpr std::uint32_t of_9 = 20'000 + 10'314;
 constexpr std::uint32_t of_27 = 27 * (1146 + 1719);
-// a frame of a facade: a read, the longest response limit, the gap after it, a response of 27 bytes
-constexpr std::uint32_t in_flight = 9168 + 50'000 + 4011 + of_27;
-// a write of 21 bytes, the longest response limit, a late response of 27 bytes
-constexpr std::uint32_t command = 6000 + 24'066 + 50'000 + 150'000 + 30'942 + 150'000;
+// The longest response limit of the drives, whatever that of a read is.
+constexpr std::uint32_t of_quick = 30'000;
+constexpr std::uint32_t of_slow = 50'000;
+// a frame of a facade: a read, the drives' response limit, the gap after it, a response of 27 bytes
+constexpr std::uint32_t in_flight = 9168 + of_quick + 4011 + of_27;
+// a write of 21 bytes, the drives' response limit, a late response of 27 bytes
+constexpr std::uint32_t command_of(std::uint32_t response) {
+    return 6000 + 24'066 + response + 150'000 + 30'942 + 150'000;
+}
+constexpr std::uint32_t command = command_of(of_quick);
+constexpr std::uint32_t command_of_both = command_of(of_slow);
 // one of the three frames of a stop: 13 bytes, the response limit, the gap after it, a response of 8 bytes, a gap
-constexpr std::uint32_t stop_frame(std::uint32_t gap) { return 14'898 + 50'000 + gap + of_8 + gap; }
-constexpr std::uint32_t stop = 3 * stop_frame(4011) + 150'000 + 9168 + 150'000;
-constexpr std::uint32_t stop_of_slow = 3 * stop_frame(6000) + 150'000 + 9168 + 150'000;
+constexpr std::uint32_t stop_frame(std::uint32_t response, std::uint32_t gap) {
+    return 14'898 + response + gap + of_8 + gap;
+}
+constexpr std::uint32_t stop = 3 * stop_frame(of_quick, 4011) + 150'000 + 9168 + 150'000;
+constexpr std::uint32_t stop_of_both = 3 * stop_frame(of_slow, 6000) + 150'000 + 9168 + 150'000;
 
 } // namespace figures
 
@@ -134,12 +143,12 @@ TEST_CASE("G19, G25, G28: a plan's times are those of its frames and gaps, to th
     CHECK(plan.longest_gap(plan.controlled[0]).us == second + command); // a read, and its own frame
     CHECK(plan.longest_stop_pause().us == 100'000 + second + command);
     static constexpr auto hasty = two_with<quick, slow>({.stop_every = milliseconds(7)});
-    CHECK(hasty.longest_stop_pause().us == 7'000 + second + 2 * command);
+    CHECK(hasty.longest_stop_pause().us == 7'000 + second + 2 * command_of_both);
     static constexpr auto once = two_with<quick>({.stop_every = {}});
     CHECK(once.longest_stop_pause() == duration{0xFFFF'FFFF}); // stops are not repeated
     // and the stop itself: its drive's gap, and 13 bytes
     CHECK(plan.worst_case_stop_latency().us == in_flight + 4011 + 14'898);
-    CHECK(plan.worst_case_stop_latency(3).us == in_flight + 4011 + 14'898 + 2 * stop_frame(4011));
+    CHECK(plan.worst_case_stop_latency(3).us == in_flight + 4011 + 14'898 + 2 * stop_frame(of_quick, 4011));
     const std::uint32_t turn = first + second + 2 * command + stop;
     CHECK(plan.rediscovery_bound().us == 200'000 + 2 * (1'000'000 + turn));
     static constexpr auto soon = two_with<quick>({.retry_every = milliseconds(10)});
@@ -149,13 +158,14 @@ TEST_CASE("G19, G25, G28: a plan's times are those of its frames and gaps, to th
     CHECK(two<>.longest_gap(two<>.polls[0]).us == 100'000 + first + second);
     CHECK(two<>.longest_stop() == duration{});
     const auto& both = two<quick, slow>;
-    CHECK(both.longest_gap(both.polls[0]).us == 100'000 + first + second + 2 * command + stop_of_slow);
-    CHECK(both.longest_gap(both.controlled[1]).us == second + 2 * command + stop_of_slow);
+    CHECK(both.longest_gap(both.polls[0]).us ==
+          100'000 + first + second + 2 * command_of_both + stop_of_both);
+    CHECK(both.longest_gap(both.controlled[1]).us == second + 2 * command_of_both + stop_of_both);
 }
 
 namespace figures {
 constexpr std::uint32_t silent = 6000 + 9168 + 50'000 + 150'000; // a read without a response
-constexpr std::uint32_t silent_drive = 4011 + 9168 + 50'000 + 150'000;
+constexpr std::uint32_t silent_drive = 4011 + 9168 + of_quick + 150'000;
 constexpr auto retrying = two_with<quick>({.retry_every = duration{silent}});
 constexpr auto retrying_later = two_with<quick>({.retry_every = duration{silent + 1}});
 

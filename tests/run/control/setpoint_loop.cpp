@@ -192,7 +192,7 @@ template <class Loop> struct robot {
         ++played.lost_links;
         go(3300, 30);
         r.wire.set_connected(0, true);
-        go(3000, 30);
+        go(5000, 30); // the loop's next attempt comes within 4 s
         is_absent = false;
         loop.operator_enables();
         go(1000, 30);

@@ -285,8 +285,10 @@ TEST_CASE("G21: after a stop has pre-empted a command the cached state is correc
 }
 
 TEST_CASE("S3: the pause is counted from the last request that the drive received to the moment of sending") {
+    node<zlac8015d::device> slow{1};
+    slow.limits.response = milliseconds(100);
     for (std::uint32_t ms = 850; ms < 1010; ms += 5) {
-        rig r;
+        rig r{{}, unsupervised, 1, slow};
         r.station.set_response_delay(milliseconds(80));
         be_enabled_in(r, operating_mode::velocity);
         REQUIRE(r.drive.run(velocity{100 * r_per_min, 100 * r_per_min}));
@@ -425,9 +427,14 @@ TEST_CASE("S3: a watchdog time that one lost frame would exceed is refused; a st
           "setting") {
     rig r;
     REQUIRE(r.drive.run(init{}));
+    // The response limit, the quarantine, and 50 ms until the next setpoint.
+    const node<zlac8015d::device> by_default{1};
+    const auto lost =
+        static_cast<std::int32_t>((by_default.limits.response + by_default.gaps.quarantine).us / 1000);
+    const zlac8015d::time shortest{lost + 50};
     CHECK(r.drive.run(watchdog{1 * millisecond}).error() == errc::out_of_range);
-    CHECK(r.drive.run(watchdog{249 * millisecond}).error() == errc::out_of_range);
-    REQUIRE(r.drive.run(watchdog{250 * millisecond}));
+    CHECK(r.drive.run(watchdog{shortest - 1 * millisecond}).error() == errc::out_of_range);
+    REQUIRE(r.drive.run(watchdog{shortest}));
     client direct{r.line, node<device>{1}};
     CHECK(direct.write<host_timeout>(checked(0)).error() == errc::out_of_range);
     CHECK(r.drive.run(watchdog{0 * millisecond}).error() == errc::out_of_range);
@@ -483,19 +490,29 @@ TEST_CASE("S3: both speeds are slowed down together, also with a low limit") {
 }
 
 TEST_CASE("G21: a stop whose response comes only after the watchdog time invalidates the cached state") {
-    rig r;
-    be_enabled_in(r, operating_mode::velocity);
-    REQUIRE(r.drive.run(velocity{50 * r_per_min, 50 * r_per_min}));
-    r.wire.pass(milliseconds(850));
-    r.wire.faults().lost_request = 1000;
-    REQUIRE(r.drive.begin(halt{}) == errc::ok);
-    while (!r.model.in_watchdog_stop()) turn(r);
-    CHECK(r.wire.struck() != 0);
-    r.wire.faults() = {};
-    while (!r.drive.is_idle()) turn(r);
-    REQUIRE(r.drive.last());
-    CHECK(r.drive.state() == drive_state::needs_init);
-    CHECK(r.drive.begin(velocity{50 * r_per_min, 50 * r_per_min}) == errc::needs_init);
+    const node<zlac8015d::device> by_default{1};
+    node<zlac8015d::device> slow = by_default;
+    slow.limits.response = milliseconds(100);
+    for (const node<zlac8015d::device>& at : {by_default, slow}) {
+        unsigned stopped = 0;
+        for (std::uint32_t ms = 800; ms < 940; ++ms) {
+            CAPTURE(ms);
+            rig r{{}, unsupervised, 1, at};
+            be_enabled_in(r, operating_mode::velocity);
+            REQUIRE(r.drive.run(velocity{50 * r_per_min, 50 * r_per_min}));
+            r.wire.pass(milliseconds(ms));
+            r.wire.faults().lost_request = 1000;
+            REQUIRE(r.drive.begin(halt{}) == errc::ok);
+            while (!r.model.in_watchdog_stop()) turn(r);
+            CHECK(r.wire.struck() != 0);
+            r.wire.faults() = {};
+            while (!r.drive.is_idle()) turn(r);
+            stopped += r.drive.last() ? 1u : 0u; // else none of its three frames came so late
+            CHECK(r.drive.state() == drive_state::needs_init);
+            CHECK(r.drive.begin(velocity{50 * r_per_min, 50 * r_per_min}) == errc::needs_init);
+        }
+        CHECK(stopped > 2);
+    }
 }
 
 TEST_CASE("G25: a halt that pre-empts an init goes before all other traffic, also if the drive was silent") {

@@ -40,7 +40,7 @@ struct counts {
     std::size_t restarts = 0, moving = 0, near_zero = 0, dark = 0, losses = 0, ports = 0, clearings = 0,
                 stalls = 0;
     std::size_t blocking = 0, stops = 0, inits = 0, faults = 0, breaks = 0;
-    std::size_t paths = 0, gaps = 0, late = 0, twice = 0, first[5] = {}, prompt = 0, steep = 0;
+    std::size_t paths = 0, gaps = 0, late = 0, twice = 0, first[5] = {}, prompt = 0, steep = 0, field = 0;
     long double worst = 0;
 };
 
@@ -66,8 +66,10 @@ class run {
         for (const unsigned size : zlac8015d_interpretations::sizes)
             c.push_back(one_in(3) ? random_.below(size) : 0);
         sim::dice other{seed + 77}; // of their own, so that a seed lives as it did before they were there
-        for (const unsigned size : zlac8015d_interpretations::other_sizes)
-            c.push_back(other.below(3) == 0 ? other.below(size) : 0);
+        const bool has_all = seed % 8 == 3; // of what the field has shown
+        if (has_all) ++played_.field;
+        for (const unsigned size : zlac8015d_interpretations::sizes_of_field)
+            c.push_back(has_all ? size - 1 : other.below(3) == 0 ? other.below(size) : 0);
         return zlac8015d_interpretations::options_of(c);
     }
     supervision supervision_of() {
@@ -329,6 +331,7 @@ TEST_CASE(
         {"stops", c.stops, 20'000},
         {"inits", c.inits, 10'000},
         {"prompt nodes", c.prompt, 4000},
+        {"all that the field has shown", c.field, 1000},
         {"changed ramps", c.steep, 3000},
         {"poses that were told", c.told, 10'000},
         {"continuous poses", c.continuous, 100'000},

@@ -2,7 +2,8 @@
 // SPDX-License-Identifier: BSL-1.0
 //
 // The judges for everybody (sim/conformance.hpp) on the drives of the library: under the simulated drive's default
-// interpretation of its manual, or with the label `interpretations` under each other one alone.
+// interpretation of its manual, or with the label `interpretations` under each other one alone, and under
+// all that the field has shown.
 #include <doctest/doctest.h>
 
 #include <servobus/servobus.hpp>
@@ -32,9 +33,9 @@ TEST_CASE("every single mishap at every request: C630S" * doctest::test_suite("i
 }
 
 TEST_CASE("the interpretations of each manual are those of its switches") {
-    CHECK(zlac8015d_read::count == zlac8015d_read::alone());
-    CHECK(yako_read::count == yako_read::alone());
-    CHECK(c630s_read::count == c630s_read::alone());
+    CHECK(zlac8015d_read::count == zlac8015d_read::counted());
+    CHECK(yako_read::count == yako_read::counted());
+    CHECK(c630s_read::count == c630s_read::counted());
 }
 
 } // namespace conformance_tests

@@ -137,11 +137,13 @@ TEST_CASE("the clocks of the virtual line and of its drives continue through a w
 TEST_CASE("the response delay of a device is observed") {
     machine m;
     (void)m.wheels.read<map::bus_voltage>();
-    m.station.set_response_delay(milliseconds(50));
+    const duration limit = m.wheels.node().limits.response;
+    const duration in_time = limit - milliseconds(5);
+    m.station.set_response_delay(in_time);
     const std::uint64_t before = m.wire.time_us();
     CHECK(m.wheels.read<map::bus_voltage>());
-    CHECK(about(static_cast<std::int64_t>(m.wire.time_us() - before), 1750 + 15 * 96 + 50'000, 100));
-    m.station.set_response_delay(milliseconds(150));
+    CHECK(about(static_cast<std::int64_t>(m.wire.time_us() - before), 1750 + 15 * 96 + in_time.us, 100));
+    m.station.set_response_delay(limit + milliseconds(5));
     m.wheels.node().read_retries = 0;
     CHECK(m.wheels.read<map::bus_voltage>().error() == errc::timeout);
 }
@@ -225,13 +227,21 @@ TEST_CASE("two devices with one address garble each other's responses") {
 }
 
 TEST_CASE("each planned fault has its effect at the client, and never a wrong value") {
+    // A response that begins after limit and quarantine may be taken for the one to the next request (G2).
+    const node<map::device> at{1};
+    const duration latest = at.limits.response + at.gaps.quarantine - milliseconds(2);
     for (const char* names : {"late", "lossy", "noisy", "doubled", "cut", "late,lossy,noisy,doubled,cut"}) {
         CAPTURE(std::string{names});
-        for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+        unsigned struck = 0;
+        for (std::uint64_t seed = 1; seed <= 12; ++seed) {
+            CAPTURE(seed);
             machine m{{.seed = seed}};
             m.wheels.node().read_retries = 0;
             sim::fault_plan plan;
             CHECK(sim::parse_faults(names, plan));
+            const duration past_limit = latest - at.limits.response;
+            plan.late_by =
+                at.limits.response + duration{past_limit.us / 12 * static_cast<std::uint32_t>(seed)};
             m.wire.faults() = plan;
             int failed = 0;
             for (std::uint16_t i = 0; i < 1000; ++i) {
@@ -244,8 +254,10 @@ TEST_CASE("each planned fault has its effect at the client, and never a wrong va
                 CHECK(got->count() == 2000 + i);
             }
             CHECK(failed < 400);
-            CHECK(m.wire.struck() > 10);
+            CHECK(m.wire.struck() != 0);
+            struck += m.wire.struck();
         }
+        CHECK(struck > 12 * 10);
     }
 }
 

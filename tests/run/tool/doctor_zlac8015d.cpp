@@ -73,7 +73,7 @@ constexpr doctored::state<bench> states[] = {
     {"a resolution of 11", force<0x2022, 11>, " speed_resolution: it is outside"},
     {"no timeout", put<0x2000, 0>, " host_timeout"},
     {"a timeout of 20 ms", put<0x2000, 20>, " host_timeout"},
-    {"a timeout of 200 ms", put<0x2000, 200>, " host_timeout"},
+    {"a timeout of 150 ms", put<0x2000, 150>, " host_timeout"},
     {"a timeout of 30 s", put<0x2000, 30000>, " host_timeout"},
     {"parking", put<0x200C, 1>, " parking_mode"},
     {"held at power-on",
@@ -233,7 +233,7 @@ TEST_CASE("the limits of the checks of a ZLAC8015D") {
         u16 first_bad;
     };
     constexpr limit limits[] = {
-        {0x2000, 250, 249},       {0x2000, 1000, 1001},     {0x2022, 1, 0},     {0x2022, 1, 2},
+        {0x2000, 180, 179},       {0x2000, 1000, 1001},     {0x2022, 1, 0},     {0x2022, 1, 2},
         {0x20A4, 0x461F, 0x471F}, {0x20A4, 0x1F46, 0x1F47}, {0x20B0, 700, 701}, {0x20A3, 0x0601, 0x0701},
         {0x20A3, 0x0106, 0x0107}, {0x20A3, 0x0101, 0x0001}, {0x20AB, 20, 21},   {0x20AC, 0xFFEC, 0xFFEB},
         {0x208E, 120, 121}, // the other wheel has 120

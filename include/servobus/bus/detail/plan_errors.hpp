@@ -27,17 +27,19 @@ constexpr void the_times_of_this_plan_are_longer_than_its_clock_can_tell(unsigne
     if (address == 0) return;
     __builtin_printf("node %lu may get no request for %lu us: half an hour is the most", address, longest_us);
 }
-/// Either of the last two figures mends the plan: response limit and quarantine of all nodes, or the node's watchdog.
+/// Either of the last two figures mends the plan: the most that response limit and quarantine of each node may have, or
+/// the node's watchdog.
 constexpr void a_drive_of_this_plan_could_miss_its_keep_alive(unsigned long address,
                                                               unsigned long keep_alive_us,
                                                               unsigned long longest_us,
                                                               unsigned long response_and_quarantine_ms,
                                                               unsigned long watchdog_ms) {
     if (address == 0) return;
-    __builtin_printf("node %lu stops after %lu us without a request, and there may be none for %lu us: "
-                     "limits.response and gaps.quarantine of %lu ms for all nodes (0: none is short enough), "
-                     "or a watchdog of %lu ms, in the drive and in keeps_alive(..)",
-                     address, keep_alive_us, longest_us, response_and_quarantine_ms, watchdog_ms);
+    __builtin_printf(
+        "node %lu stops after %lu us without a request, and there may be none for %lu us: "
+        "limits.response and gaps.quarantine of %lu ms at most in each node (0: none is short enough), "
+        "or a watchdog of %lu ms, in the drive and in keeps_alive(..)",
+        address, keep_alive_us, longest_us, response_and_quarantine_ms, watchdog_ms);
 }
 
 } // namespace servobus::detail

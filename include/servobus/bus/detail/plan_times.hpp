@@ -52,18 +52,19 @@ struct plan_times {
     duration quarantine = timing.visible_gap(); ///< the longest: of the node before, or of the next one
     duration longest_own_gap{timing.t3_5};      ///< before a request of any node
     duration stop_gap{timing.t3_5};             ///< before a stop: the gap of its own drive only
-    duration longest_response{};                ///< the longest time limit among all drives and reads
+    duration longest_response{};                ///< the longest time limit among the controlled drives
     bound requests_between = duration{};        ///< one request to each node of the program's own ones
     bound longest_read = duration{};
 
     template <class Plan>
     constexpr explicit plan_times(const Plan& of) : timing{of.timing()}, drives{Plan::drives} {
-        for (std::size_t i = 0; i < Plan::size; ++i) note(of.polls[i].gaps, of.polls[i].limits);
+        for (std::size_t i = 0; i < Plan::size; ++i) note(of.polls[i].gaps);
         for (std::size_t i = 0; i < Plan::drives; ++i) {
-            note(of.controlled[i].gaps, of.controlled[i].limits);
+            note(of.controlled[i].gaps);
+            longest_response = longer_of(longest_response, of.controlled[i].limits.response);
             stop_gap = longer_of(stop_gap, of.controlled[i].gaps.gap);
         }
-        for (std::size_t i = 0; i < Plan::requested; ++i) note(of.requests[i].gaps, {.response = {}});
+        for (std::size_t i = 0; i < Plan::requested; ++i) note(of.requests[i].gaps);
         for (std::size_t i = 0; i < Plan::requested; ++i)
             requests_between = requests_between + longest(of.requests[i]);
         for (std::size_t i = 0; i < Plan::size; ++i)
@@ -167,10 +168,9 @@ struct plan_times {
     static constexpr std::uint64_t share(duration of, duration period) {
         return std::uint64_t{of.us} * 1'000'000'000u / period.us;
     }
-    constexpr void note(const bus_gaps& gaps, const response_limits& limits) {
+    constexpr void note(const bus_gaps& gaps) {
         quarantine = longer_of(quarantine, gaps.quarantine);
         longest_own_gap = longer_of(longest_own_gap, gaps.gap);
-        longest_response = longer_of(longest_response, limits.response);
     }
     constexpr duration own_gap(const bus_gaps& gaps) const {
         return longer_of(duration{timing.t3_5}, gaps.gap);

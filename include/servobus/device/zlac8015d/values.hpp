@@ -20,9 +20,9 @@
 
 namespace servobus::zlac8015d {
 
-/// The ZLAC8015D: Modbus RTU, 8N1, addresses 1..127; factory settings: address 1, 115200 Bd. The manual
-/// states no response time. The default response limit of 100 ms is far above the few milliseconds that the
-/// drive takes.
+/// The ZLAC8015D: Modbus RTU, 8N1, addresses 1..127; factory settings: address 1, 115200 Bd. The manual states no
+/// response time. Of 1508 exchanges with a drive the longest took 6.9 ms ([field](../field.md)). The limit has room for
+/// an adapter's latency timer of 16 ms, and a margin. The quarantine drops a later response.
 struct device {
     static constexpr exception_meaning exceptions[] = {
         {1, "illegal function"}, {2, "illegal data address"}, {3, "illegal data value"}};
@@ -32,6 +32,7 @@ struct device {
                                    .word_order = word_order::high_first,
                                    .baud = 115200,
                                    .format = character_format::n81,
+                                   .limits = {.response = milliseconds(30)},
                                    .exceptions = exceptions};
     /// Lists what the facade relies on: watchdog, positions cleared, top speed and factory settings, mode, control word
     /// and synchronisation, resolution, encoder lines.
