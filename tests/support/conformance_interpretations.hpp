@@ -19,32 +19,36 @@ namespace subjects {
 
 using ::interpretations::choice;
 
-/// `Manual` has the switches of a simulated drive and which of them are the field's. The judges play `count`
-/// interpretations: the default, each alone, and all of the field's.
+/// `Manual` has the switches of a simulated drive, which of them are the field's, and how many interpretations are the
+/// default and each switch alone. All of the field's together are the next one, where there are any.
 template <class Manual> struct interpretations {
-    static constexpr unsigned count = Manual::count;
+    static constexpr unsigned count =
+        Manual::alone; // for the runs that the judges themselves spread over all
     static const std::vector<choice>& choices() {
         static const std::vector<choice> found =
             ::interpretations::all_pairs(Manual::switches(), Manual::first_of_field());
         return found;
     }
     static auto options(unsigned interpretation) { return Manual::options_of(choices()[interpretation]); }
-    static unsigned counted() {
-        unsigned sum = Manual::first_of_field() < Manual::switches().size() ? 2 : 1;
+    static unsigned alone() {
+        unsigned sum = 1;
         for (const unsigned positions : Manual::switches()) sum += positions - 1;
         return sum;
+    }
+    static unsigned alone_and_field() {
+        return alone() + (Manual::first_of_field() < Manual::switches().size() ? 1 : 0);
     }
 };
 
 struct zlac8015d_manual {
-    static constexpr unsigned count = 20;
+    static constexpr unsigned alone = 19;
     static std::vector<unsigned> switches() { return zlac8015d_interpretations::switches(); }
     static std::size_t first_of_field() { return zlac8015d_interpretations::sizes.size(); }
     static auto options_of(const choice& c) { return zlac8015d_interpretations::options_of(c); }
 };
 
 struct yako_manual {
-    static constexpr unsigned count = 24;
+    static constexpr unsigned alone = 24;
     static std::size_t first_of_field() { return switches().size(); } // no Modbus program of one was found
     /// Those of the safety scenes, and three that requests of the judges reach: a damaged request, a read of a command
     /// register, and a restart after a restored EEPROM.
@@ -64,7 +68,7 @@ struct yako_manual {
 };
 
 struct c630s_manual {
-    static constexpr unsigned count = 26;
+    static constexpr unsigned alone = 25;
     static std::vector<unsigned> switches() { return c630s_interpretations::switches(); }
     static std::size_t first_of_field() { return c630s_interpretations::detail::sizes.size(); }
     static auto options_of(const choice& c) { return c630s_interpretations::options_of(c); }

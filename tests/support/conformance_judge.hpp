@@ -52,7 +52,7 @@ template <class Subject> void judge(std::uint32_t least_runs) {
     CHECK(pairs.pairs(7, 300).findings == 0);
 }
 
-/// Under each interpretation but the first: of the single mishaps one of `parts`, from interpretation to interpretation
+/// Under each interpretation alone, and all of the field's: of the single mishaps one of `parts`, from interpretation to interpretation
 /// another. All of them with SERVOBUS_INTERPRETATIONS=whole; only the first interpretation with
 /// SERVOBUS_INTERPRETATIONS=default. Prints what was played.
 template <class Subject, class Interpretations>
@@ -67,7 +67,7 @@ void judge_interpretations(std::uint32_t least_runs, std::uint32_t parts) {
     sim::conformance<Subject> kit{&show};
     sim::played all{};
     unsigned few = 0;
-    for (unsigned interpretation = 1; interpretation < Interpretations::count; ++interpretation) {
+    for (unsigned interpretation = 1; interpretation < Interpretations::alone_and_field(); ++interpretation) {
         const std::string positions = interpretations::name(Interpretations::choices()[interpretation]);
         CAPTURE(positions);
         const std::uint32_t before = all.runs;
@@ -78,9 +78,9 @@ void judge_interpretations(std::uint32_t least_runs, std::uint32_t parts) {
     CHECK(all.findings == 0);
     CHECK(few <= 1); // under one interpretation of the C630S no enable can be confirmed
     check_counts(all);
-    std::printf("interpretations: %s: %u alone, one of %u single mishaps: %u runs;",
-                doctest::getContextOptions()->currentTest->m_name, Interpretations::count - 1, parts,
-                all.runs);
+    std::printf("interpretations: %s: %u alone or of the field, one of %u single mishaps: %u runs;",
+                doctest::getContextOptions()->currentTest->m_name, Interpretations::alone_and_field() - 1,
+                parts, all.runs);
     for (const sim::mishap m : sim::all_mishaps)
         std::printf(" %s: %u;", sim::text(m), all.happened[static_cast<unsigned>(m)]);
     std::printf("\n");

@@ -306,6 +306,35 @@ TEST_CASE("G18: a write that the drive refuses while it stores writes leaves P0C
     CHECK(r.drive.run(ramps{1 * millisecond, 1 * millisecond}));
 }
 
+// A restart puts P0C-13 back to 1: then the marker would go into the EEPROM, where a drive that keeps its levels finds it
+// after the next restart.
+TEST_CASE("G17, G21: an init that a restart disturbs does not succeed, but between the last read and the marker") {
+    const auto frames_of = [](rig& r, std::size_t restart_after) {
+        REQUIRE(r.make_ready());
+        const std::size_t start = r.wire.requests();
+        REQUIRE(r.drive.begin(init{}) == errc::ok);
+        for (bool was_restarted = false; !r.drive.is_idle(); r.turn()) {
+            if (was_restarted || r.wire.requests() - start != restart_after) continue;
+            r.model.power_cycle();
+            was_restarted = true;
+        }
+        return r.wire.requests() - start;
+    };
+    rig undisturbed;
+    const std::size_t frames = frames_of(undisturbed, 0);
+    REQUIRE(undisturbed.drive.last());
+    unsigned unseen = 0;
+    for (std::size_t after = 4; after < frames; ++after) { // the first four stop the drive and spare the EEPROM
+        CAPTURE(after);
+        rig r{{.stores_eeprom_off = false}};
+        (void)frames_of(r, after);
+        if (!r.drive.last()) continue;
+        if (r.model.peek(eeprom_update.address) != 0) ++unseen;
+    }
+    CHECK(frames > 20);
+    CHECK(unseen == 1);
+}
+
 TEST_CASE("S5, G35: a restart while an enable waits for the brake ends it, and the servo stays off") {
     rig r;
     REQUIRE(r.make_ready());

@@ -33,9 +33,9 @@ TEST_CASE("every single mishap at every request: C630S" * doctest::test_suite("i
 }
 
 TEST_CASE("the interpretations of each manual are those of its switches") {
-    CHECK(zlac8015d_read::count == zlac8015d_read::counted());
-    CHECK(yako_read::count == yako_read::counted());
-    CHECK(c630s_read::count == c630s_read::counted());
+    CHECK(zlac8015d_read::count == zlac8015d_read::alone());
+    CHECK(yako_read::count == yako_read::alone());
+    CHECK(c630s_read::count == c630s_read::alone());
 }
 
 } // namespace conformance_tests

@@ -135,8 +135,9 @@ inline constexpr std::uint16_t first_of_blocks = virtual_input_functions.first.a
 inline constexpr step present_alarm = steps::write<selected_fault_record>(fault_record::current);
 inline constexpr step set_marker    = steps::write<virtual_input_levels>(virtual_inputs::from_word(terminal::marker));
 inline constexpr step has_marker    = steps::expect<virtual_input_levels>(virtual_inputs::from_word(terminal::marker));
-/// The status at the end says whether the drive has a fault.
-inline constexpr step mark_session[]         = {present_alarm, set_marker, has_marker, steps::fetch<virtual_output_levels>(0)};
+/// The status at the end says whether the drive has a fault. After a restart during the init P0C-13 may be 1, and the
+/// EEPROM would keep the marker.
+inline constexpr step mark_session[]         = {present_alarm, wears_nothing, set_marker, has_marker, steps::fetch<virtual_output_levels>(0)};
 inline constexpr step choose_present_alarm[] = {present_alarm};
 
 /// With P0C-13 = 1 writes go into the EEPROM, with 0 they do not.
