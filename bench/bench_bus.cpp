@@ -38,7 +38,7 @@ shares used(std::uint32_t baud, duration delay, const lateness& late) {
     wire.attach(first);
     wire.attach(second);
     Port port{wire, late, Plan.timing().wire_time(1)};
-    line on{port, Plan.timing()};
+    scheduled_line on{port, Plan.timing()};
     bus<Plan, decltype(on)> all{on};
     constexpr std::uint64_t time = 60'000'000;
     all.run_for(duration{time});

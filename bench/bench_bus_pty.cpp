@@ -107,7 +107,7 @@ int measure_line(const char* path, bool wakes_early) {
     std::printf("%s\n", wakes_early ? "with wakes_early" : "without wakes_early");
     print_lateness(port, microseconds(200));
     print_lateness(port, microseconds(1000));
-    line wire{port, plan.timing()};
+    scheduled_line wire{port, plan.timing()};
     bus<plan, decltype(wire)> all{wire};
     all.run_for(milliseconds(200));
     const std::uint32_t before[] = {all.count(0), all.count(1)};

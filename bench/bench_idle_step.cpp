@@ -57,7 +57,7 @@ constexpr auto many = reads(std::make_index_sequence<60>{});
 
 template <const auto& Plan> int run_idle(long steps) {
     answering_port port;
-    line on{port, Plan.timing()};
+    scheduled_line on{port, Plan.timing()};
     auto all = make_bus<Plan>(on);
     for (int i = 0; all.count(Plan.size - 1) == 0; ++i, port.pass(100)) {
         if (i == 100'000) return 1;

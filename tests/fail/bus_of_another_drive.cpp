@@ -15,7 +15,7 @@ inline constexpr poll_plan plan{modbus::timing_at(115200), controlled(node<zlac:
 
 int main() {
     some_port port;
-    line wire{port, plan.timing()};
+    scheduled_line wire{port, plan.timing()};
     c630s::drive servo{wire, 1};
     auto all = make_bus<plan>(wire, servo); // wrong
     (void)all.step();

@@ -14,7 +14,7 @@ inline constexpr poll_plan plan{modbus::timing_at(115200), controlled(node<zlac:
 
 int main() {
     some_port port;
-    line wire{port, plan.timing()};
+    scheduled_line wire{port, plan.timing()};
     zlac::drive wheels{wire, 1, unsupervised};
     auto all = make_bus<plan>(wire); // wrong
     (void)wheels;

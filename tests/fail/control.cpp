@@ -230,7 +230,7 @@ inline constexpr poll_plan plan_14{modbus::timing_at(115200), controlled(node<zl
     own_requests(node<zlac::device>{9}, milliseconds(500), 125)};
 consteval node<zlac::device> quick(std::uint8_t address) {
     node<zlac::device> n{address};
-    n.gaps.quarantine = milliseconds(80);
+    n.gaps.quarantine = milliseconds(79);
     return n;
 }
 constexpr supervision supervised_by_default{.feedback = milliseconds(20), .command_timeout = milliseconds(300)};
@@ -332,7 +332,7 @@ int main() {
     (void)frame_30;
     (void)frame_31;
     some_port port;
-    servobus::line wire{port, servobus::modbus::timing_at(57600)};
+    scheduled_line wire{port, plan_12.timing()};
     zlac::drive wheels{wire, 1, unsupervised};
     (void)zlac::drive{wire, 1, {.feedback = milliseconds(20), .command_timeout = milliseconds(300)}};
     (void)c630s::hold{60 * units::r_per_min, c630s::runs_on_without_line{}};

@@ -1,21 +1,21 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// The lines that clients use in a run, each watched by the judge: `line` with and without echo handling, and
+// The lines that clients use in a run, each watched by the judge: `scheduled_line` with and without echo handling, and
 // `blocking_line`, which has no observer and is watched by a wrapper.
 #pragma once
 
 #include <cstdint>
 
+#include <servobus/bus/scheduled_line.hpp>
 #include <servobus/line/blocking_line.hpp>
-#include <servobus/line/line.hpp>
 
 #include "judge.hpp"
 #include "shaky_port.hpp"
 
 namespace trial {
 
-template <class Echo> using line_on = servobus::line<shaky_port, watch, Echo>;
+template <class Echo> using line_on = servobus::scheduled_line<shaky_port, watch, Echo>;
 
 template <std::uint32_t Baud, servobus::modbus::timing_mode Mode>
 class blocking_line_on

@@ -52,8 +52,8 @@ template <class Subject> void judge(std::uint32_t least_runs) {
     CHECK(pairs.pairs(7, 300).findings == 0);
 }
 
-/// Under each interpretation alone, and all of the field's: of the single mishaps one of `parts`, from interpretation to interpretation
-/// another. All of them with SERVOBUS_INTERPRETATIONS=whole; only the first interpretation with
+/// Under each interpretation alone, and all of the field's: of the single mishaps one of `parts`, from interpretation
+/// to interpretation another. All of them with SERVOBUS_INTERPRETATIONS=whole; only the first interpretation with
 /// SERVOBUS_INTERPRETATIONS=default. Prints what was played.
 template <class Subject, class Interpretations>
 void judge_interpretations(std::uint32_t least_runs, std::uint32_t parts) {

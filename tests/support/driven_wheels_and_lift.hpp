@@ -48,7 +48,7 @@ struct wheels_and_lift {
 
 /// The program that controls the drives. Another one in its place is the program after a restart.
 struct wheels_and_lift_program {
-    using line_type = servobus::line<servobus::sim::virtual_line>;
+    using line_type = servobus::scheduled_line<servobus::sim::virtual_line>;
 
     line_type on;
     servobus::zlac8015d::drive<line_type> wheels{on, wheels_node, servobus::unsupervised};

@@ -10,7 +10,7 @@
 namespace {
 
 using namespace servobus;
-using wire = line<uart>;
+using wire = scheduled_line<uart>;
 
 constexpr node<zlac8015d::device> wheels{1};
 constexpr poll_plan plan{

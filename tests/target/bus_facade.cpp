@@ -12,7 +12,7 @@
 namespace {
 
 using namespace servobus;
-using wire = line<uart>;
+using wire = scheduled_line<uart>;
 
 constexpr node<zlac8015d::device> at{1};
 constexpr poll_plan plan{modbus::timing_at(115200),

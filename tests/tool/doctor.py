@@ -270,9 +270,9 @@ def limits_for(most: float) -> set[int]:
     ("yako-closed-loop", "yako::closed_loop::device", 100, 0),
     ("yako-open-loop", "yako::open_loop::device", 100, 0),
     ("c630s", "c630s::device", 100, 0),
-    ("zlac8015d", "zlac8015d::device", 30, 0),
+    ("zlac8015d", "zlac8015d::device", 32, 0),
     ("meter.csv", "device", 100, 0.06),
-    ("zlac8015d", "zlac8015d::device", 30, 0.03),
+    ("zlac8015d", "zlac8015d::device", 32, 0.03),
 )
 def limit_in_a_program(tool: Doctor, device: str, type_name: str, usual: int, delay: float):
     """The line of code that states a response limit, where that of the profile does not fit what was measured."""

@@ -52,7 +52,7 @@ std::uint64_t read_all(duration time) {
     wire.attach(on_first);
     wire.attach(on_second);
     wire.attach(on_third);
-    line on{wire, polls.timing()};
+    scheduled_line on{wire, polls.timing()};
     bus<polls, decltype(on)> all{on};
     all.run_for(time);
     return all.count(0) + all.count(1) + all.count(2);
@@ -78,7 +78,7 @@ unsigned judge() {
 template <motor_drive Drive> bool stops(Drive& drive) {
     return static_cast<bool>(drive.run(disable{})) || Drive::traits.stops_without_line;
 }
-bool stop(winch::drive<line<sim::virtual_line>>& drum) { return stops(drum); }
+bool stop(winch::drive<scheduled_line<sim::virtual_line>>& drum) { return stops(drum); }
 const char* remedy(zlac8015d::faults f) { return zlac8015d::advice_for(f).remedy; }
 const char* remedy(std::uint16_t code) { return c630s::advice_for(code).remedy; }
 const char* reset(yako::motion_status s) { return yako::advice_for(s).reset; }
@@ -86,12 +86,12 @@ template <class Command, class Drive> bool is_explained(const Drive& drive, cons
     const refusal r = why(drive, wanted);
     return r.is_of_value() || (r.is_of_state() && (!r.states.is_empty() || r.unmet() != nullptr));
 }
-bool explain(const winch::drive<line<sim::virtual_line>>& drum,
-             const zlac8015d::drive<line<sim::virtual_line>>& wheels) {
+bool explain(const winch::drive<scheduled_line<sim::virtual_line>>& drum,
+             const zlac8015d::drive<scheduled_line<sim::virtual_line>>& wheels) {
     return is_explained(drum, winch::turn{}) && is_explained(wheels, zlac8015d::velocity{});
 }
-bool explain(const yako::open_loop::drive<line<sim::virtual_line>>& axis,
-             const c630s::drive<line<sim::virtual_line>>& servo) {
+bool explain(const yako::open_loop::drive<scheduled_line<sim::virtual_line>>& axis,
+             const c630s::drive<scheduled_line<sim::virtual_line>>& servo) {
     return is_explained(axis, yako::open_loop::home{yako::homing::home_24}) &&
            is_explained(servo, c630s::set<c630s::di1_function>{checked(c630s::input_function::none)});
 }

@@ -6,7 +6,9 @@
 // servobus.hpp. One `step` in each loop iteration never waits; `run` and `run_for` are blocking calls that
 // loop over it.
 //
-//     auto all = make_bus<plan>(wire, wheels, lift);
+//     scheduled_line wire{port, plan.timing()};
+//     zlac8015d::drive wheels{wire, 1, unsupervised}; // the bus gives it what the plan says
+//     auto all = make_bus<plan>(wire, wheels);
 //     for (;;) {
 //         all.step(); // the drives are stepped here and nowhere else
 //         if (const auto seen = all.latest<0>(milliseconds(500))) show(seen->get<zlac8015d::bus_voltage>());
@@ -21,6 +23,7 @@
 #include <servobus/bus/detail/cyclic_reads.hpp>
 #include <servobus/bus/detail/step_beside.hpp>
 #include <servobus/bus/plan.hpp>
+#include <servobus/bus/scheduled_line.hpp>
 #include <servobus/control/facade.hpp>
 #include <servobus/line/line.hpp>
 
@@ -33,6 +36,7 @@ class bus : detail::cyclic_reads<Plan, Line, Drives...> {
     using reads::drives_;
     using reads::line_;
     using plan_type = std::remove_cvref_t<decltype(Plan)>;
+    static_assert(detail::is_scheduled<Line>, "the line of a bus is a scheduled_line, in place of a line");
     static_assert(sizeof...(Drives) == Plan.drives,
                   "a bus has the controlled drives of its plan, in their order, and no others");
 
@@ -44,7 +48,7 @@ class bus : detail::cyclic_reads<Plan, Line, Drives...> {
     /// plan, or on another line, is not polled and refuses all commands but stops (`bad_argument`).
     constexpr explicit bus(Line& on, Drives&... drives) : reads{on, drives...} {
         check(std::make_index_sequence<sizeof...(Drives)>{});
-        on.follow(&detail::step_beside<Plan, Line>);
+        on.admit_ = &detail::step_beside<Plan, Line>;
         drives_.each([this](std::size_t i, auto& drive) { this->adopt(drive, Plan.controlled[i]); });
     }
     bus(const bus&) = delete; // an exchange refers to its buffers
@@ -225,7 +229,7 @@ class bus : detail::cyclic_reads<Plan, Line, Drives...> {
         };
         drives_.each([&](std::size_t i, const auto& drive) { look(i, drive.machine().ticket()); });
         if (this->is_read_waiting()) look(reads_number, this->read_ticket());
-        if constexpr (Plan.requested != 0) look(others_number, line_->others().take_waiting());
+        if constexpr (Plan.requested != 0) look(others_number, line_->others_.take_waiting());
         return oldest;
     }
     // False if the clock has stopped.

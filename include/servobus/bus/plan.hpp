@@ -15,6 +15,7 @@
 
 #include <servobus/bus/detail/bound.hpp>
 #include <servobus/bus/detail/entry_list.hpp>
+#include <servobus/bus/detail/other_requests.hpp>
 #include <servobus/bus/detail/plan_checks.hpp>
 #include <servobus/bus/detail/plan_times.hpp>
 #include <servobus/bus/plan_entries.hpp>
@@ -41,7 +42,8 @@ template <class... Entries> class poll_plan {
     static constexpr std::size_t size = entries::reads;          ///< cyclic reads
     static constexpr std::size_t drives = entries::drives;       ///< drives with a facade
     static constexpr std::size_t requested = entries::requested; ///< nodes of the program's own requests
-    static_assert(requested <= other_requests::most_nodes, "a plan has own_requests(..) of 8 nodes at most");
+    static_assert(requested <= detail::other_requests::most_nodes,
+                  "a plan has own_requests(..) of 8 nodes at most");
     static_assert(size + drives != 0, "a plan has a drive or reads something");
     static constexpr std::size_t words = entries::words; ///< that all cyclic reads have
     static constexpr std::size_t response_room = entries::longest_response;

@@ -27,7 +27,6 @@
 #include <servobus/line/detail/stall_detector.hpp>
 #include <servobus/line/echo.hpp>
 #include <servobus/line/observer.hpp>
-#include <servobus/line/other_requests.hpp>
 #include <servobus/line/port.hpp>
 #include <servobus/modbus/exchange.hpp>
 
@@ -107,11 +106,6 @@ class line {
     /// next exchange that is stepped: it ends with `timeout`, and is not sent again, if any of it has left; else
     /// with `busy`.
     constexpr duration step(exchange& x, const bus_gaps& wanted) {
-        return bus_ != nullptr ? bus_(*this, x, wanted) : step_now(x, wanted);
-    }
-
-    /// As `step`, for the bus on this line, which decides whether and when the requests of others are sent.
-    constexpr duration step_now(exchange& x, const bus_gaps& wanted) {
         if (x.done()) return {};
         if (!arbiter_.is_held_by(x.ticket()) && !is_granted(x, wanted)) return timing_.wire_time(1);
         return x.is_to_leave() ? send(x, wanted) : receive(x, now());
@@ -167,9 +161,7 @@ class line {
     /// True while a request is leaving.
     constexpr bool is_sending() const { return static_cast<std::int16_t>(taken_) > 0; }
 
-    /// From now on `step` is the bus's: `step_by(line, exchange, gaps)`.
-    constexpr void follow(duration (*step_by)(line&, exchange&, const bus_gaps&)) { bus_ = step_by; }
-    constexpr other_requests& others() { return others_; }
+    /// True while a stop waits for the frame in flight.
     constexpr bool is_stop_waiting() const { return arbiter_.has_stop(); }
 
     /// Gives `x` up: it ends with `busy`, or with `timeout` if any of it has left. In that case the next request
@@ -501,12 +493,10 @@ class line {
     bool is_echo_possible_ = true; // of all nodes: no response so far was different from its request
     detail::epoch_counters<8> epochs_;
     std::uint16_t taken_ = 0; // bytes of the request of the exchange that has the line, or `whole`
-    other_requests others_{};
     detail::line_gap gap_;
     [[no_unique_address]] detail::arbiter arbiter_;
     std::uint8_t changed_node_ = 0; // in a byte that the arbiter leaves free
     Port* port_;
-    duration (*bus_)(line&, exchange&, const bus_gaps&) = nullptr; // the bus's `step`
     modbus::rtu_timing timing_;
     instant started_{}; // waiting, or sending
     duration hold_timeout_{};

@@ -23,7 +23,7 @@ using tests::waiting_scripted_port;
 namespace {
 
 using sensor = yako::closed_loop::device;
-using wire = line<waiting_scripted_port>;
+using wire = scheduled_line<waiting_scripted_port>;
 
 constexpr node<sensor> at(std::uint8_t address) {
     node<sensor> n{address};

@@ -128,8 +128,8 @@ template <const auto& Plan = both_at_50_hz> struct rig_of_stores {
     sim::station<refusing_store> wheels{wheels_store, 1, 115200};
     sim::station<plain_store> lift{lift_store, 2, 115200};
     sim::virtual_line wire{115200};
-    line<sim::virtual_line> on{wire, modbus::timing_at(115200)};
-    bus<Plan, line<sim::virtual_line>> all{on};
+    scheduled_line<sim::virtual_line> on{wire, modbus::timing_at(115200)};
+    bus<Plan, scheduled_line<sim::virtual_line>> all{on};
 
     rig_of_stores() {
         wire.attach(wheels);
@@ -146,7 +146,7 @@ template <const auto& Plan> std::uint64_t share_of_the_possible(std::uint32_t ba
     sim::virtual_line wire{baud};
     wire.attach(wheels);
     wire.attach(lift);
-    line on{wire, Plan.timing()};
+    scheduled_line on{wire, Plan.timing()};
     bus<Plan, decltype(on)> all{on};
     all.run_for(milliseconds(1000));
     const std::uint32_t before = all.count(0) + all.count(1);
@@ -496,7 +496,7 @@ TEST_CASE(
                                     station{store, 7, 115200}, station{store, 8, 115200}};
     sim::virtual_line wire{115200};
     for (station& s : stations) REQUIRE(wire.attach(s));
-    using line_type = line<sim::virtual_line, seen_requests>;
+    using line_type = scheduled_line<sim::virtual_line, seen_requests>;
     line_type on{wire, crowd.timing()};
     zlac8015d::drive<line_type> two{on, prompt(node<wheels_device>{2}), unsupervised},
         three{on, prompt(node<wheels_device>{3}), unsupervised},

@@ -20,7 +20,7 @@ using namespace servobus::units;
 
 namespace {
 
-using line_type = line<sim::virtual_line>;
+using line_type = scheduled_line<sim::virtual_line>;
 using wheels_type = zlac8015d::drive<line_type>;
 using lift_type = yako::closed_loop::drive<line_type>;
 using tests::lift_node, tests::wheels_node, tests::wheels_and_lift, tests::wheels_and_lift_program;
@@ -285,8 +285,9 @@ TEST_CASE(
     for (std::uint64_t late = 30'000; late < 46'000; late += 500) {
         CAPTURE(late);
         tests::scripted_port port;
-        line<tests::scripted_port> on{port, with_long_gaps.timing()};
-        yako::closed_loop::drive<line<tests::scripted_port>> lift{on, gapped<yako::closed_loop::device>(1)};
+        scheduled_line<tests::scripted_port> on{port, with_long_gaps.timing()};
+        yako::closed_loop::drive<scheduled_line<tests::scripted_port>> lift{
+            on, gapped<yako::closed_loop::device>(1)};
         auto all = make_bus<with_long_gaps>(on, lift);
         port.device = [&](tests::scripted_port& p, const tests::sent_frame& f) {
             if (f.data[0] == 2) p.say(late, tests::read_response(2, {0}));

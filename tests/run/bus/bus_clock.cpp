@@ -45,7 +45,7 @@ TEST_CASE("G19, G29: a bus continues its reads after its clock has jumped") {
         sim::virtual_line wire{115200};
         wire.attach(at_the_drive);
         jumping_port port{&wire};
-        line on{port, modbus::timing_at(115200)};
+        scheduled_line on{port, modbus::timing_at(115200)};
         bus<plan, decltype(on)> all{on};
         all.run_for(milliseconds(200));
         port.offset += by;
@@ -77,8 +77,8 @@ TEST_CASE("G28: the numbers of the queue wrap, and the one that has waited longe
         const response_limits limits{};
         std::array<std::uint8_t, 7> response{};
         for (unsigned i = 0; i < earlier; ++i) {
-            modbus::exchange x{request, response, program.on.timing(), limits};
-            (void)program.on.step_now(x, {});
+            modbus::exchange x{request, response, program.on.timing(), limits, priority::planned};
+            (void)program.on.step(x, {});
             program.on.abandon(x);
         }
         REQUIRE(program.command(program.wheels, init{}));
@@ -103,7 +103,7 @@ inline constexpr poll_plan mute_plan{modbus::timing_at(115200), controlled(wheel
 
 // No drive responds, and the clock stops some time after the start.
 template <class Port> struct mute_rig {
-    using line_type = line<Port>;
+    using line_type = scheduled_line<Port>;
     Port port;
     line_type on{port, modbus::timing_at(115200)};
     zlac8015d::drive<line_type> wheels{on, wheels_node, unsupervised};
@@ -168,7 +168,7 @@ struct jumping_wire : sim::virtual_line {
 
 TEST_CASE(
     "G29: commands end and the reads continue, between whichever two reads of the clock it jumps ahead") {
-    using line_type = line<jumping_wire>;
+    using line_type = scheduled_line<jumping_wire>;
     for (std::uint64_t looks = 0; looks < 200; ++looks) {
         CAPTURE(looks);
         sim::zlac8015d wheels_model;

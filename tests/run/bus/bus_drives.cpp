@@ -17,7 +17,7 @@ using namespace servobus::units;
 
 namespace {
 
-using line_type = line<sim::virtual_line>;
+using line_type = scheduled_line<sim::virtual_line>;
 using wheels_type = zlac8015d::drive<line_type>;
 using tests::wheels_and_lift, tests::wheels_node;
 

@@ -52,8 +52,8 @@ template <const auto& Plan> struct rig {
     counting_store others;
     station first{kept, 1, 115200};
     sim::virtual_line wire{115200};
-    line<sim::virtual_line> on{wire, Plan.timing()};
-    bus<Plan, line<sim::virtual_line>> all{on};
+    scheduled_line<sim::virtual_line> on{wire, Plan.timing()};
+    bus<Plan, scheduled_line<sim::virtual_line>> all{on};
 
     rig() { wire.attach(first); }
     rig(const rig&) = delete;
@@ -165,7 +165,7 @@ TEST_CASE(
         sim::station<sim::c630s> drive{model};
         sim::virtual_line wire{57600};
         wire.attach(drive);
-        line on{wire, beside_a_servo.timing()};
+        scheduled_line on{wire, beside_a_servo.timing()};
         zlac8015d::drive<decltype(on)> wheels{on, wheels_node, unsupervised}; // not on the line
         c630s::drive<decltype(on)> servo{on, servo_node};
         auto all = make_bus<beside_a_servo>(on, wheels, servo);

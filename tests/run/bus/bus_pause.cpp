@@ -15,7 +15,7 @@ namespace bus_pause_tests {
 
 using namespace servobus;
 using tests::lift_node, tests::wheels_node;
-using wire = line<sim::virtual_line>;
+using wire = scheduled_line<sim::virtual_line>;
 
 // The lift has no facade here, so that there is always a read that is due later.
 constexpr poll_plan seldom{modbus::timing_at(115200), controlled(wheels_node, unsupervised),

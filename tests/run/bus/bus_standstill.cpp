@@ -84,7 +84,7 @@ struct rig : tests::wheels_and_lift, tests::wheels_and_lift_program, ear {
 
 // A facade without a bus, whose application reads feedback as often as it can.
 struct facade_alone : ear {
-    using line_type = line<sim::virtual_line>;
+    using line_type = scheduled_line<sim::virtual_line>;
     sim::zlac8015d model;
     sim::station<sim::zlac8015d> station{model};
     sim::virtual_line wire{115200};
@@ -410,7 +410,7 @@ constexpr poll_plan lift_without_facade{modbus::timing_at(115200),
 
 /// A bus on which the program has set the lift's word order, and which delivers its 32-bit values.
 struct told_bus {
-    using line_type = line<sim::virtual_line>;
+    using line_type = scheduled_line<sim::virtual_line>;
 
     tests::wheels_and_lift machine{};
     line_type on{machine.wire, modbus::timing_at(115200)};

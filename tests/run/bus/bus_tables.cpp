@@ -51,8 +51,8 @@ static_assert(!poll_plan{timing, target}.has_other_tables);
 struct rig {
     tests::waiting_scripted_port port;
     tests::plain_tables model = tank::model();
-    line<tests::waiting_scripted_port> wire{port, timing};
-    bus<plan, line<tests::waiting_scripted_port>> all{wire};
+    scheduled_line<tests::waiting_scripted_port> wire{port, timing};
+    bus<plan, scheduled_line<tests::waiting_scripted_port>> all{wire};
 
     rig() {
         port.device = [this](scripted_port& p, const sent_frame& f) { model(p, f, 9); };
@@ -130,8 +130,8 @@ template <const auto& Plan> void check_own(bool has_16h, bool has_17h) {
     tests::waiting_scripted_port port;
     tests::plain_tables model = tank::model();
     port.device = [&](scripted_port& p, const sent_frame& f) { model(p, f, 9); };
-    line<tests::waiting_scripted_port> wire{port, timing};
-    bus<Plan, line<tests::waiting_scripted_port>> all{wire};
+    scheduled_line<tests::waiting_scripted_port> wire{port, timing};
+    bus<Plan, scheduled_line<tests::waiting_scripted_port>> all{wire};
     client io{wire, tank_node};
     const auto error_of = [&](auto& call) {
         for (int i = 0; i < 20'000 && !call.done(); ++i) {

@@ -136,8 +136,8 @@ TEST_CASE("G22: a 32-bit read of a C630S delivers no value while its word order 
     sim::station<sim::c630s> station{servo};
     sim::virtual_line wire{57600};
     wire.attach(station);
-    line on{wire, modbus::timing_at(57600)};
-    c630s::drive<line<sim::virtual_line>> drive{on, servo_node};
+    scheduled_line on{wire, modbus::timing_at(57600)};
+    c630s::drive<scheduled_line<sim::virtual_line>> drive{on, servo_node};
     auto all = make_bus<servo_plan>(on, drive);
     all.run_for(milliseconds(300));
     CHECK(all.latest<0>(milliseconds(200)).error() == errc::needs_init);
@@ -163,7 +163,7 @@ TEST_CASE("G22: a bus delivers no value in the word order before a write of its 
         p.say(500, table.response_to(f.data));
         if (table.words[0x0019] == 1) table.words[0x000A] = 5, table.words[0x000B] = 0;
     };
-    line on{port, modbus::timing_at(115200)};
+    scheduled_line on{port, modbus::timing_at(115200)};
     auto all = make_bus<table_plan>(on);
     client own{on, table_node};
     stepped_write<decltype(own), yako::pair_word_order> put{own};
@@ -206,7 +206,7 @@ TEST_CASE("G22: the word order of one node is not that of another") {
     port.device = [](tests::scripted_port& p, const tests::sent_frame& f) {
         p.say(500, tests::read_response(f.data[0], {0, 5}));
     };
-    line on{port, modbus::timing_at(115200)};
+    scheduled_line on{port, modbus::timing_at(115200)};
     auto all = make_bus<two>(on);
     all.set_word_order(8, word_order::high_first);
     all.run_for(milliseconds(500));

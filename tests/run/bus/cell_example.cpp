@@ -38,7 +38,7 @@ struct floor_of {
     tests::served_device<sensor_values, modbus::timing_at(baud, modbus::timing_mode::strict)> sensor{values,
                                                                                                      9, baud};
     sim::virtual_line wire{baud};
-    using line_type = line<sim::virtual_line>;
+    using line_type = scheduled_line<sim::virtual_line>;
     line_type on{wire, cell::plan.timing()};
     cell::cell<line_type> program{on};
 

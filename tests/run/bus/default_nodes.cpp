@@ -25,8 +25,8 @@ constexpr node<sensor::device> eye{9};
 constexpr supervision supervised{.feedback = milliseconds(20), .command_timeout = milliseconds(500)};
 constexpr auto quick = modbus::timing_at(115200);
 
-// A drive has 30 ms to respond. A device of which nothing is known has 100 ms.
-static_assert(zlac8015d::device::facts.limits.response == milliseconds(30));
+// A drive has 32 ms to respond. A device of which nothing is known has 100 ms.
+static_assert(zlac8015d::device::facts.limits.response == milliseconds(32));
 static_assert(zlac8015d::device::facts.quarantine == milliseconds(100));
 static_assert(yako::closed_loop::device::facts.limits.response == milliseconds(100));
 static_assert(sensor::device::facts.limits.response == milliseconds(100));
@@ -39,8 +39,8 @@ constexpr poll_plan prompt_nodes{quick, controlled(prompt(left), supervised).com
                                  cyclic<sensor::distance>(prompt(eye), milliseconds(100))};
 // Each node may be late by its limit and quarantine, one after the other: that takes longer than a second.
 constexpr poll_plan two_drives_and_a_sensor{
-    quick, controlled(left, supervised).commands(milliseconds(50)).keeps_alive(milliseconds(1250)),
-    controlled(right, supervised).commands(milliseconds(50)).keeps_alive(milliseconds(1250)),
+    quick, controlled(left, supervised).commands(milliseconds(50)).keeps_alive(milliseconds(1300)),
+    controlled(right, supervised).commands(milliseconds(50)).keeps_alive(milliseconds(1300)),
     cyclic<sensor::distance>(eye, milliseconds(100))};
 
 } // namespace
@@ -51,8 +51,8 @@ TEST_CASE("two drives and a sensor with default nodes are a plan") {
     const auto& plan = two_drives_and_a_sensor;
     for (const controlled_node& d : plan.controlled) CHECK(plan.longest_gap(d) < d.keep_alive);
     // A drive's frames wait by the limits of the drives, not by the sensor's.
-    CHECK(plan.longest_response() == milliseconds(30));
-    CHECK(plan.longest_gap(plan.controlled[0]) < milliseconds(1170));
+    CHECK(plan.longest_response() == milliseconds(32));
+    CHECK(plan.longest_gap(plan.controlled[0]) < milliseconds(1180));
 }
 
 } // namespace default_nodes_tests

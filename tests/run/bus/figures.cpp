@@ -260,8 +260,8 @@ TEST_CASE("G19, G25: the response limits of a drive that only its facade address
 namespace {
 struct rig {
     tests::scripted_port port;
-    line<tests::scripted_port> wire{port, modbus::timing_at(9600)};
-    bus<two<>, line<tests::scripted_port>> all{wire};
+    scheduled_line<tests::scripted_port> wire{port, modbus::timing_at(9600)};
+    bus<two<>, scheduled_line<tests::scripted_port>> all{wire};
     bool answers = true;
 
     rig() {
@@ -338,7 +338,7 @@ TEST_CASE("G19: a drive with a keep-alive becomes absent once its keep-alive has
 TEST_CASE("a facade reads three times in all by default") {
     static constexpr step look[] = {steps::fetch<status_word>(0)};
     tests::scripted_port port;
-    line<tests::scripted_port> wire{port, modbus::timing_at(9600)};
+    scheduled_line<tests::scripted_port> wire{port, modbus::timing_at(9600)};
     node<quick> at{quick::address};
     at.limits.response = milliseconds(10);
     bare::drive drive{wire, at};
@@ -352,7 +352,7 @@ TEST_CASE("G29: an exchange that is not stepped any more holds the line for its 
         tests::scripted_port port;
         port.call_us = 0;
         port.character_us = 1146;
-        line<tests::scripted_port> wire{port, modbus::timing_at(9600)};
+        scheduled_line<tests::scripted_port> wire{port, modbus::timing_at(9600)};
         const response_limits limits{.response = milliseconds(70)};
         const bus_gaps gaps{milliseconds(5), milliseconds(120)};
         const auto request = modbus::read_frame(1, 0x10, 1);
@@ -373,7 +373,7 @@ TEST_CASE("G29: an exchange that is not stepped any more holds the line for its 
 
 TEST_CASE("G29: the bound of a call is that of its gaps, its request and its response, to the microsecond") {
     tests::scripted_port port;
-    line<tests::scripted_port> wire{port, modbus::timing_at(9600)};
+    scheduled_line<tests::scripted_port> wire{port, modbus::timing_at(9600)};
     const response_limits limits{.response = milliseconds(70)};
     const bus_gaps gaps{milliseconds(5), milliseconds(120)};
     // twice the quarantine and two frames; the request twice, with a pause and t3.5; the response byte by
@@ -391,7 +391,7 @@ TEST_CASE("G29: the bound of a call is that of its gaps, its request and its res
 TEST_CASE("G28: a silent node is not due twice in a window, however short a plan makes it") {
     for (const std::uint32_t window_ms : {1u, 50u, 130u, 500u}) {
         CAPTURE(window_ms);
-        other_requests others;
+        detail::other_requests others;
         REQUIRE(others.is_due(3, instant{10'000'000}, milliseconds(window_ms)));
         others.note(3, false);
         CHECK_FALSE(others.is_due(3, instant{10'000'100}, milliseconds(window_ms)));

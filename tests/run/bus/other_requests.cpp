@@ -91,7 +91,7 @@ struct request {
 };
 
 struct rig {
-    using line_type = line<sim::virtual_line>;
+    using line_type = scheduled_line<sim::virtual_line>;
 
     sim::zlac8015d model{};
     sim::yako_closed_loop first_model{sim::yako_options{.switches = 9}};
@@ -310,7 +310,7 @@ namespace {
 
 // A program asks a node that refuses everything, every 50 ms for 3 s, and writes once.
 template <const auto& Plan, bool HasReads> void ask_one_that_refuses(std::uint8_t number) {
-    using line_type = line<sim::virtual_line>;
+    using line_type = scheduled_line<sim::virtual_line>;
     sim::zlac8015d model{};
     refusing_sensor refuses{number};
     sim::station<sim::zlac8015d> station{model};
@@ -502,7 +502,7 @@ TEST_CASE(
     for (const std::uint8_t words : {std::uint8_t{1}, std::uint8_t{100}}) {
         CAPTURE(words);
         tests::scripted_port port;
-        line<tests::scripted_port> on{port, with_long_writes.timing()};
+        scheduled_line<tests::scripted_port> on{port, with_long_writes.timing()};
         zlac8015d::drive wheels{on, wheels_node, unsupervised};
         [[maybe_unused]] auto all = make_bus<with_long_writes>(on, wheels); // the line is its line now
         // The response begins at the end of its time limit, and has nearly the longest pause.
@@ -561,7 +561,7 @@ TEST_CASE(
     for (const std::uint16_t first : {std::uint16_t{1}, std::uint16_t{0x7FFF}, std::uint16_t{0xFFF0}}) {
         CAPTURE(first);
         const auto later = static_cast<std::uint16_t>(first + 20); // tickets wrap
-        other_requests others;
+        detail::other_requests others;
         CHECK(others.take_waiting() == 0);
         others.note_waiting(later);
         others.note_waiting(first);
@@ -578,7 +578,7 @@ TEST_CASE(
 TEST_CASE("G28: a silent node is due again after each window, however long a plan makes it") {
     for (const std::uint32_t window_ms : {1000u, 29'000u, 34'000u, 67'000u, 1'800'000u}) {
         CAPTURE(window_ms);
-        other_requests others;
+        detail::other_requests others;
         unsigned asked = 0;
         for (std::uint64_t ms = 0; ms < 300'000; ms += 50) {
             const instant now{static_cast<std::uint32_t>(ms * 1000)};

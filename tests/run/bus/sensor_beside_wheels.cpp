@@ -41,7 +41,7 @@ static_assert(plan.polls[0].code == 4 && plan.polls[1].code == 2);
 
 using sensor_values =
     row_values<sensor::distance, sensor::temperature, sensor::is_door_open, sensor::is_guarded, sensor::lamp>;
-using line_type = line<sim::virtual_line>;
+using line_type = scheduled_line<sim::virtual_line>;
 
 struct rig {
     sim::zlac8015d model{};

@@ -16,7 +16,7 @@ namespace stalled_program_tests {
 
 using namespace servobus;
 using tests::lift_node, tests::wheels_node;
-using wire = line<sim::virtual_line>;
+using wire = scheduled_line<sim::virtual_line>;
 
 namespace {
 

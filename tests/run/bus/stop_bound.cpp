@@ -94,7 +94,7 @@ const play with_strict_timing[] = {
 };
 
 template <const auto& Plan> struct rig {
-    using line_type = line<tests::late_port>;
+    using line_type = scheduled_line<tests::late_port>;
 
     sim::zlac8015d model{};
     sim::station<sim::zlac8015d> station{model};

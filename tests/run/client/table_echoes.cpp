@@ -46,7 +46,7 @@ template <std::size_t N> inline constexpr coil<access::rw, device> bit{static_ca
 using bits = std::make_index_sequence<24>;
 
 struct any_line {
-    using line = servobus::line<tests::waiting_scripted_port>;
+    using line = servobus::scheduled_line<tests::waiting_scripted_port>;
     static line on(tests::waiting_scripted_port& port) { return line{port, timing}; }
 };
 struct small_line {

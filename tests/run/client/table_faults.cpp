@@ -72,7 +72,7 @@ tests::plain_tables model() {
 }
 
 struct any_line {
-    using line = servobus::line<tests::waiting_scripted_port>;
+    using line = servobus::scheduled_line<tests::waiting_scripted_port>;
     static line on(tests::waiting_scripted_port& port) { return line{port, timing}; }
 };
 struct small_line {

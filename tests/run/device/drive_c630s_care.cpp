@@ -306,8 +306,8 @@ TEST_CASE("G18: a write that the drive refuses while it stores writes leaves P0C
     CHECK(r.drive.run(ramps{1 * millisecond, 1 * millisecond}));
 }
 
-// A restart puts P0C-13 back to 1: then the marker would go into the EEPROM, where a drive that keeps its levels finds it
-// after the next restart.
+// A restart puts P0C-13 back to 1. Then the marker would go into the EEPROM, and a drive that keeps its levels would
+// show no restart after that.
 TEST_CASE("G17, G21: an init that a restart disturbs does not succeed, but between the last read and the marker") {
     const auto frames_of = [](rig& r, std::size_t restart_after) {
         REQUIRE(r.make_ready());

@@ -31,7 +31,7 @@ enum class stepper { program, bus };
 
 /// A program that commands speeds every 20 ms; it steps the facade, or a bus does.
 struct scene {
-    using line_type = line<sim::virtual_line>;
+    using line_type = scheduled_line<sim::virtual_line>;
     sim::zlac8015d model;
     sim::station<sim::zlac8015d> station{model};
     sim::virtual_line wire{115200};

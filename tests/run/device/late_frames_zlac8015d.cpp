@@ -21,7 +21,7 @@ namespace {
 constexpr node<zlac8015d::device> by_default{1};
 constexpr std::uint32_t limit_ms = by_default.limits.response.us / 1000;
 constexpr std::uint32_t hidden_ms = limit_ms + by_default.gaps.quarantine.us / 1000;
-static_assert(limit_ms == 30 && hidden_ms == 130);
+static_assert(limit_ms == 32 && hidden_ms == 132);
 // A response begins t3.5 after its request, and so much later.
 constexpr std::uint32_t latest_ms = hidden_ms - 2;
 constexpr std::size_t every_frame = ~std::size_t{0};

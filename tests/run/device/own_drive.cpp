@@ -25,7 +25,7 @@ using winch::r_per_min;
 namespace {
 
 struct rig {
-    using line_type = line<sim::virtual_line>;
+    using line_type = scheduled_line<sim::virtual_line>;
 
     winch::simulated machine;
     sim::station<winch::simulated> station{machine, 5, 19200, milliseconds(1)};

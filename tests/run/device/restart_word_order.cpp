@@ -25,7 +25,7 @@ constexpr poll_plan seldom{
     cyclic<yako::positive_software_limit>(lift_node, milliseconds(500))};
 
 struct rig {
-    using line_type = line<sim::virtual_line>;
+    using line_type = scheduled_line<sim::virtual_line>;
     static constexpr std::int32_t end = 70'000;
 
     sim::yako_closed_loop model{sim::yako_options{.switches = 2}};

@@ -464,16 +464,21 @@ struct frozen_wire : sim::virtual_line {
 } // namespace
 
 TEST_CASE("a bus runs a twist until it is reached") {
-    robots::world w{machine, base};
-    REQUIRE(w.robot.set_limits(limits) == errc::ok);
-    auto all = make_bus<plan>(w.line, w.robot);
-    REQUIRE(all.run(w.robot, init{}));
-    REQUIRE(all.run(w.robot, enable{}));
-    REQUIRE(all.run(w.robot, full));
-    CHECK(w.drive.peek(0x2088) == 100);
-    CHECK_FALSE(w.robot.is_changing_speed());
-    REQUIRE(all.blocking(w.robot).run(still));
-    CHECK(w.drive.peek(0x2088) == 0);
+    robots::observed_drive drive{machine, {}};
+    sim::station<robots::observed_drive> station{drive};
+    sim::virtual_line wire{115200};
+    wire.attach(station);
+    scheduled_line on{wire, modbus::timing_at(115200)};
+    zlac8015d::robot robot{on, 1, base, unsupervised};
+    REQUIRE(robot.set_limits(limits) == errc::ok);
+    auto all = make_bus<plan>(on, robot);
+    REQUIRE(all.run(robot, init{}));
+    REQUIRE(all.run(robot, enable{}));
+    REQUIRE(all.run(robot, full));
+    CHECK(drive.peek(0x2088) == 100);
+    CHECK_FALSE(robot.is_changing_speed());
+    REQUIRE(all.blocking(robot).run(still));
+    CHECK(drive.peek(0x2088) == 0);
 }
 
 TEST_CASE("a clock that stops between two setpoints ends a blocking call") {

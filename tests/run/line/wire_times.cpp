@@ -27,7 +27,7 @@ constexpr std::uint64_t tolerance = 10; // us: the calls of a port's clock
 
 template <class Port> struct wire {
     Port port;
-    line<Port> on{port, modbus::timing_at(115200)};
+    scheduled_line<Port> on{port, modbus::timing_at(115200)};
 
     errc ask(std::uint8_t node_address, bus_gaps gaps, priority how = priority::ordinary) {
         const byte_list request = tests::framed({node_address, 0x03, 0x20, 0xA1, 0x00, 0x01});
@@ -71,8 +71,8 @@ inline constexpr poll_plan words_only{modbus::timing_at(115200), cyclic<word>(dr
 // A drive on a bus that is only read.
 template <const auto& Plan> struct polled {
     scripted_port port;
-    line<scripted_port> on{port, modbus::timing_at(115200)};
-    bus<Plan, line<scripted_port>> all{on};
+    scheduled_line<scripted_port> on{port, modbus::timing_at(115200)};
+    bus<Plan, scheduled_line<scripted_port>> all{on};
     tests::register_file file;
 
     polled() {

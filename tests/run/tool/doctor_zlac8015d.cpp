@@ -233,7 +233,7 @@ TEST_CASE("the limits of the checks of a ZLAC8015D") {
         u16 first_bad;
     };
     constexpr limit limits[] = {
-        {0x2000, 180, 179},       {0x2000, 1000, 1001},     {0x2022, 1, 0},     {0x2022, 1, 2},
+        {0x2000, 182, 181},       {0x2000, 1000, 1001},     {0x2022, 1, 0},     {0x2022, 1, 2},
         {0x20A4, 0x461F, 0x471F}, {0x20A4, 0x1F46, 0x1F47}, {0x20B0, 700, 701}, {0x20A3, 0x0601, 0x0701},
         {0x20A3, 0x0106, 0x0107}, {0x20A3, 0x0101, 0x0001}, {0x20AB, 20, 21},   {0x20AC, 0xFFEC, 0xFFEB},
         {0x208E, 120, 121}, // the other wheel has 120

@@ -8,9 +8,9 @@
 #include <cstddef>
 #include <cstdint>
 
+#include <servobus/bus/detail/other_requests.hpp>
 #include <servobus/core/response_limits.hpp>
 #include <servobus/core/status.hpp>
-#include <servobus/line/other_requests.hpp>
 #include <servobus/modbus/exchange.hpp>
 
 namespace servobus::detail {
@@ -50,21 +50,21 @@ constexpr duration step_beside(Line& on, typename Line::exchange& x, const bus_g
     const auto asks = [&x] { return x.state() == phase::ready; };
     if (is_other && asks()) {
         const duration longest = on.timing().wire_time(x.request().size()) + x.longest_before_stop();
-        const admission said = judge<Plan>(on.others(), x.address(), longest, wanted, on.now());
+        const admission said = judge<Plan>(on.others_, x.address(), longest, wanted, on.now());
         if (said == admission::refused) {
             x.abort(errc::not_in_plan, false);
             return {};
         }
         if (said == admission::later) return milliseconds(1);
     }
-    const duration idle = on.step_now(x, wanted);
+    const duration idle = on.Line::base::step(x, wanted);
     if (x.done()) {
         const std::size_t i = place_of<Plan>(x.address());
-        if (i != Plan.requested && x.was_sent()) on.others().note(i, x.status().has_response());
+        if (i != Plan.requested && x.was_sent()) on.others_.note(i, x.status().has_response());
         return {};
     }
-    if (is_other && asks()) on.others().note_waiting(x.ticket());
-    if (!on.is_stop_waiting() || x.state() != phase::receiving) return idle;
+    if (is_other && asks()) on.others_.note_waiting(x.ticket());
+    if (!on.Line::base::is_stop_waiting() || x.state() != phase::receiving) return idle;
     // A response that trickles in is given up for a stop.
     const duration waited = since(x.sent_at(), on.now());
     const duration longest = x.longest_before_stop();

@@ -146,7 +146,7 @@ struct factory_reset {
 };
 
 /// The drive's own watchdog, 2000h: it stops the motors after this long without a request; up to 32767 ms, at
-/// least what one lost frame costs (180 ms with the default limits of its node). 0 is refused: its meaning is
+/// least what one lost frame costs (182 ms with the default limits of its node). 0 is refused: its meaning is
 /// not documented, and perhaps nothing stops the motors then, or nothing moves [errata B28].
 /// `watchdog{undocumented_zero{}}` writes it; the facade counts it as the factory's second.
 struct watchdog {

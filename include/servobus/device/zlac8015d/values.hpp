@@ -32,7 +32,7 @@ struct device {
                                    .word_order = word_order::high_first,
                                    .baud = 115200,
                                    .format = character_format::n81,
-                                   .limits = {.response = milliseconds(30)},
+                                   .limits = {.response = milliseconds(32)},
                                    .exceptions = exceptions};
     /// Lists what the facade relies on: watchdog, positions cleared, top speed and factory settings, mode, control word
     /// and synchronisation, resolution, encoder lines.

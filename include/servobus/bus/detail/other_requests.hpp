@@ -1,12 +1,12 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// A line keeps this for its bus, of the requests that are not the bus's own: which of them waits, and which nodes of
-// the plan's `own_requests(..)` are silent.
+// The requests on the line of a bus that are not its own: which of them waits, and which nodes of the plan's
+// `own_requests(..)` do not respond.
 //
-//     other_requests others;
+//     detail::other_requests others;
 //     others.note(2, false); // node number 2 of the plan did not respond
-//     const bool is_silent = others.misses(2) == other_requests::most_misses;
+//     const bool is_silent = others.misses(2) == detail::other_requests::most_misses;
 #pragma once
 
 #include <cstddef>
@@ -14,7 +14,7 @@
 
 #include <servobus/core/time.hpp>
 
-namespace servobus {
+namespace servobus::detail {
 
 class other_requests {
   public:
@@ -63,4 +63,4 @@ class other_requests {
     std::uint8_t began_ = 0;   // the window
 };
 
-} // namespace servobus
+} // namespace servobus::detail
