@@ -312,6 +312,7 @@ class model {
     constexpr errc end_move(prepared_command& c, slice<const std::uint16_t> words, const settings& known) {
         if (!motion_.has_goal() || motion_.conclude(words, known.word_order)) return errc::ok;
         if (!motion_.may_have_hardly_begun()) return errc::stopped_short;
+        motion_.resume();
         c.steps = routines::wait_reached;
         return errc::ok;
     }

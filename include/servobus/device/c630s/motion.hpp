@@ -54,8 +54,7 @@ class motion_under_way {
                                   way);
         const std::int32_t size = way < 0 ? difference(0, way) : way;
         tolerance_ = size > 2 * trembling ? trembling : size / 2 + rounding;
-        how_ = arrival_state::under_way;
-        cause_ = stop_cause::unknown;
+        resume();
         is_blocked_ = false;
         blocked_since_ = {};
     }
@@ -82,6 +81,11 @@ class motion_under_way {
     }
     /// COIN soon after a start may be that of the move before: the place decides then.
     constexpr bool may_have_hardly_begun() const { return !is_blocked_ && confirmed_ < begin_time; }
+    /// Such a move is still under way, whatever `conclude` has found.
+    constexpr void resume() {
+        how_ = arrival_state::under_way;
+        cause_ = stop_cause::unknown;
+    }
 
     /// The position was read after that, at standstill. The move has reached its target if the position and its
     /// deviation, which COIN limits, add up to it.
