@@ -184,4 +184,38 @@ TEST_CASE("G35: the status is polled between the blocks of a read that takes lon
     CHECK(longest > 20'000);
 }
 
+TEST_CASE(
+    "G36: while a command waits for a register of a slower block, that is read with each feedback, and the "
+    "others in their turn") {
+    for (const std::uint32_t period_ms : {20u, 50u, 100u, 0u}) {
+        CAPTURE(period_ms);
+        rig r{supervision{.feedback = milliseconds(period_ms), .command_timeout = no_command_timeout}};
+        REQUIRE(r.servo.run(ramps{2000 * millisecond, 2000 * millisecond}));
+        REQUIRE(r.servo.run(enable{}));
+        REQUIRE(r.servo.run(velocity{1000 * r_per_min}));
+        r.loop(3000);
+        r.requests.clear();
+        const std::uint64_t begun = r.wire.time_us();
+        // The whole feedback takes eight periods, and the frames of the command.
+        const duration oldest = milliseconds(10 * period_ms + 100);
+        REQUIRE(r.servo.begin(halt{}) == errc::ok); // until it stands
+        while (!r.servo.is_idle()) {
+            r.loop(1);
+            if (period_ms != 0) REQUIRE(r.servo.feedback(oldest));
+        }
+        REQUIRE(r.servo.last());
+        const auto ms = static_cast<std::uint32_t>((r.wire.time_us() - begun) / 1000);
+        REQUIRE(ms > 300);
+        std::uint32_t speeds = 0, states = 0;
+        for (const auto& f : r.requests) {
+            speeds += load_word(f, 2) == 0x0B00 ? 1u : 0u;
+            states += load_word(f, 2) == 0x1720 ? 1u : 0u;
+        }
+        const std::uint32_t expected = ms / (period_ms == 0 ? 20 : period_ms);
+        CHECK(speeds + 2 >= expected * 2 / 3);
+        CHECK(speeds <= expected * 5 / 4 + 2); // as a step, and in its own turn
+        CHECK(states <= (period_ms == 0 ? 0 : expected + 2));
+    }
+}
+
 } // namespace slower_blocks_tests
