@@ -95,6 +95,40 @@ TEST_CASE(
     }
 }
 
+TEST_CASE("G28: a drive that was absent, and whose port was lost meanwhile, is read as soon as it is known, "
+          "though a search for the next read had found none for a second") {
+    tests::wheels_and_lift machine;
+    wire on{machine.wire, modbus::timing_at(115200)};
+    zlac8015d::drive wheels{on, wheels_node, unsupervised};
+    auto all = make_bus<steady>(on, wheels);
+    const auto step = [&] {
+        const duration idle = all.step();
+        on.port().wait(idle.us == 0 ? microseconds(1) : idle);
+    };
+    const auto run = [&](const auto& command) {
+        REQUIRE(wheels.begin(command) == errc::ok);
+        for (tests::loop_bound left{"the end of a command"}; !wheels.is_idle(); left.use()) step();
+        return wheels.last();
+    };
+    REQUIRE(run(zlac8015d::init{}));
+    REQUIRE(run(zlac8015d::watchdog{10 * units::second})); // it is known for so long
+    machine.wire.set_connected(0, false);
+    machine.wire.set_connected(1, false);
+    for (const std::uint64_t end = machine.wire.time_us() + 3'000'000; machine.wire.time_us() < end;) step();
+    const std::uint32_t asked = machine.wire.requests();
+    for (tests::loop_bound left{"a read"}; machine.wire.requests() == asked; left.use()) step();
+    machine.wire.pass(milliseconds(200)); // its end; the next one is due in a second
+    for (int i = 0; i < 10; ++i) step();
+    machine.wire.set_connected(0, true);
+    machine.wire.unplug();
+    CHECK(run(read_feedback{}).error() == errc::port_lost);
+    machine.wire.plug();
+    const std::uint32_t before = all.count(0);
+    REQUIRE(run(zlac8015d::init{}));
+    for (const std::uint64_t end = machine.wire.time_us() + 150'000; machine.wire.time_us() < end;) step();
+    CHECK(all.count(0) > before);
+}
+
 TEST_CASE("each read is sent when its period is over") {
     tests::wheels_and_lift machine;
     wire on{machine.wire, modbus::timing_at(115200)};

@@ -204,4 +204,27 @@ TEST_CASE("G36: a position that falls counts with its own response where nothing
     CHECK(b.position() == 3);
 }
 
+TEST_CASE("G36: a position that was held back when a take-over began is not delivered after it") {
+    for (std::uint32_t later = 0; later < 20'000; later += 1000) {
+        CAPTURE(later);
+        placed_bench b{true};
+        b.loop(1'000'000);
+        REQUIRE(b.position() == 5000);
+        b.port.model.place = 3; // as after a restart: it counts once the marker was read
+        b.port.requests.clear();
+        b.until_position_is_asked();
+        b.loop(later);
+        REQUIRE(b.servo.begin(c630s::init{}) == errc::ok);
+        b.port.model.place = 7000;
+        while (!b.servo.is_idle()) b.loop(100);
+        REQUIRE(b.servo.last());
+        for (int i = 0; i < 1000; ++i) {
+            b.loop(1000);
+            if (const result<c630s::feedback> now = b.servo.feedback(milliseconds(2000)))
+                REQUIRE(now->position.count() == 7000);
+        }
+        CHECK(b.position() == 7000);
+    }
+}
+
 } // namespace facade_feedback_tests

@@ -269,4 +269,32 @@ TEST_CASE("4.3: a second homing that does not change the position is confirmed o
     }
 }
 
+TEST_CASE("G21: stops of a drive of which nothing is known leave it so") {
+    closed_axis a;
+    const auto check_unknown = [&] {
+        const std::size_t sent = a.requests.size();
+        CHECK(a.drive.run(enable{}).error() == errc::needs_init);
+        CHECK(a.requests.size() == sent);
+    };
+    REQUIRE(a.drive.run(halt{}));
+    check_unknown();
+    REQUIRE(a.drive.run(disable{}));
+    check_unknown();
+    REQUIRE(a.drive.run(quick_stop{}));
+    check_unknown();
+    REQUIRE(a.drive.run(init{}));
+    CHECK(a.drive.run(enable{}));
+}
+
+TEST_CASE("a homing needs its profile again after the drive counts speeds otherwise") {
+    closed_axis a;
+    take(a);
+    const closed_loop::home here{homing::current_position};
+    CHECK(a.drive.run(here));
+    REQUIRE(a.drive.run(set_speed_resolution{speed_count::tenth_r_per_min}));
+    CHECK(a.drive.run(here).error() == errc::wrong_state);
+    REQUIRE(a.drive.run(set_homing_profile{90 * r_per_min, 20 * r_per_min}));
+    CHECK(a.drive.run(here));
+}
+
 } // namespace drive_yako_states_tests

@@ -148,6 +148,64 @@ TEST_CASE("G45: a move that a wait has seen at its target is not stopped, one th
     }
 }
 
+TEST_CASE("G45: which commands show that a motor stands which has come to rest by itself") {
+    // What is begun after the motion; whether the drive is stopped all the same as its port returns.
+    const auto is_stopped_after = [](auto& s, const auto& command, errc ends = errc::ok) {
+        CHECK(s.drive.run(command).error() == ends);
+        s.wire.unplug();
+        (void)s.drive.run(read_feedback{});
+        s.wire.plug();
+        const std::size_t before = s.requests.size();
+        const bool is_sent = live(s, 300) != 0;
+        if (is_sent) CHECK(s.stops(s.requests[before]));
+        return is_sent;
+    };
+    const auto moved = [](stepper& s) {
+        s.take();
+        REQUIRE(s.drive.run(yako::move_by{200 * yako::pulse}));
+        (void)live(s, 1000);
+        REQUIRE_FALSE(s.moves());
+    };
+    const auto after = [&](const auto& command, errc ends = errc::ok) {
+        stepper s;
+        moved(s);
+        return is_stopped_after(s, command, ends);
+    };
+    CHECK_FALSE(after(wait_reached{}));
+    CHECK_FALSE(after(wait_standstill{}));
+    CHECK_FALSE(after(halt{}));
+    CHECK_FALSE(after(quick_stop{}));
+    CHECK_FALSE(after(disable{}));
+    CHECK_FALSE(after(init{}));
+    CHECK(after(read_feedback{}));
+    CHECK(after(enable{}));
+    CHECK(after(yako::clear_position{}));
+    CHECK(after(yako::set_profile{{10 * r_per_min, 90 * millisecond, 80 * millisecond, 60 * r_per_min}}));
+    CHECK(after(yako::velocity{3001 * r_per_min}, errc::out_of_range));
+    {
+        stepper s; // a wait that has seen nothing yet
+        s.take();
+        s.begin_motion();
+        CHECK(is_stopped_after(s, wait_standstill{milliseconds(50)}, errc::not_reached));
+    }
+    const auto turned = [&](const auto& command) {
+        servo s;
+        s.take();
+        s.begin_motion();
+        (void)live(s, 300);
+        REQUIRE(s.drive.run(c630s::velocity{0 * units::r_per_min}));
+        (void)live(s, 1500);
+        REQUIRE_FALSE(s.moves());
+        return is_stopped_after(s, command);
+    };
+    CHECK_FALSE(turned(wait_standstill{}));
+    CHECK_FALSE(turned(halt{}));
+    CHECK(turned(c630s::read_status{}));
+    CHECK(turned(c630s::read_wide_position{c630s::wide_position::load}));
+    CHECK(turned(c630s::torque_limits{90 * percent, 90 * percent}));
+    CHECK(turned(c630s::set_home{})); // which reads that it stands, and writes
+}
+
 TEST_CASE("G45: a loop stops its drive within a few ms of the port's return, and takes it over after that") {
     stepper s;
     yako::closed_loop::drive<stepper::line_type> polled{s.line, 1};
