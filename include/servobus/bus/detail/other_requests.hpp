@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// The requests on the line of a bus that are not its own: which of them waits, and which nodes of the plan's
+// The requests on the line of a bus that are not its own. It keeps which of them waits, and which nodes of the plan's
 // `own_requests(..)` do not respond.
 //
 //     detail::other_requests others;
@@ -21,7 +21,7 @@ class other_requests {
     static constexpr std::size_t most_nodes = 8;
     static constexpr unsigned most_misses = 3; ///< of a node, in a row, that are counted
 
-    /// How the exchange with a node ended.
+    /// An exchange with a node has ended.
     constexpr void note(std::size_t node, bool has_response) {
         const unsigned shift = 2 * static_cast<unsigned>(node);
         const unsigned before = misses(node);
