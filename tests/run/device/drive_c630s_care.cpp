@@ -308,7 +308,8 @@ TEST_CASE("G18: a write that the drive refuses while it stores writes leaves P0C
 
 // A restart puts P0C-13 back to 1. Then the marker would go into the EEPROM, and a drive that keeps its levels would
 // show no restart after that.
-TEST_CASE("G17, G21: an init that a restart disturbs does not succeed, but between the last read and the marker") {
+TEST_CASE(
+    "G17, G21: an init that a restart disturbs does not succeed, but between the last read and the marker") {
     const auto frames_of = [](rig& r, std::size_t restart_after) {
         REQUIRE(r.make_ready());
         const std::size_t start = r.wire.requests();
@@ -324,7 +325,8 @@ TEST_CASE("G17, G21: an init that a restart disturbs does not succeed, but betwe
     const std::size_t frames = frames_of(undisturbed, 0);
     REQUIRE(undisturbed.drive.last());
     unsigned unseen = 0;
-    for (std::size_t after = 4; after < frames; ++after) { // the first four stop the drive and spare the EEPROM
+    for (std::size_t after = 4; after < frames;
+         ++after) { // the first four stop the drive and spare the EEPROM
         CAPTURE(after);
         rig r{{.stores_eeprom_off = false}};
         (void)frames_of(r, after);
