@@ -44,7 +44,7 @@ constexpr bare::command set{.steps = set_steps, .then = command_kind::setting};
 constexpr bare::command halting{.steps = halt_steps, .stop = stop_priority::halt};
 constexpr bare::command disabling{.steps = disable_steps, .stop = stop_priority::disable};
 constexpr bare::command quick_stopping{.steps = quick_stop_steps, .stop = stop_priority::quick_stop};
-constexpr bare::command take_over{.steps = look_steps, .then = command_kind::take_over};
+constexpr bare::command taking_over{.steps = look_steps, .then = command_kind::take_over};
 
 struct rig {
     tests::waiting_scripted_port port;
@@ -67,7 +67,7 @@ struct rig {
             }
             file(p, f);
         };
-        REQUIRE(drive.run(take_over));
+        REQUIRE(drive.run(taking_over));
         port.frames.clear();
     }
     rig(const rig&) = delete;

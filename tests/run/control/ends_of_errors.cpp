@@ -58,7 +58,7 @@ template <class Echo> struct bare_rig {
         port.echoes = port.keeps_echo = has_local_echo<Echo>;
         file.words[0x0110] = 0x55;
         port.device = [this](scripted_port& p, const sent_frame& f) { file(p, f); };
-        REQUIRE(drive.run(bare_rigs::take_over));
+        REQUIRE(drive.run(bare_rigs::taking_over));
     }
 };
 

@@ -98,7 +98,7 @@ TEST_CASE("G36: the feedback is busy while a drive is taken over again") {
     bare_rigs::rig r{milliseconds(20)};
     r.loop(50);
     REQUIRE(r.drive.check_feedback(milliseconds(30)) == errc::ok);
-    REQUIRE(r.drive.begin(bare_rigs::take_over) == errc::ok);
+    REQUIRE(r.drive.begin(bare_rigs::taking_over) == errc::ok);
     while (!r.drive.is_idle()) {
         REQUIRE(r.drive.state() == drive_state::enabled); // as before
         REQUIRE(r.drive.check_feedback(milliseconds(30)) == errc::busy);

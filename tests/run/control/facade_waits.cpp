@@ -130,7 +130,7 @@ TEST_CASE("G25, G26: a take-over that replaces a supervisor's stop of which a fr
     rig r;
     r.watched_stop_begins();
     while (r.port.frames.size() < 2) r.turn(); // its write is done, its read-back has been sent
-    REQUIRE(r.drive.begin(take_over) == errc::ok);
+    REQUIRE(r.drive.begin(taking_over) == errc::ok);
     r.is_mute = true;
     while (!r.drive.is_idle()) r.turn();
     CHECK_FALSE(r.drive.last());
@@ -148,7 +148,7 @@ TEST_CASE("G20: a take-over under way is not cut by the command timeout; the sto
         REQUIRE(r.drive.run(move));
         r.is_mute = true;
         if (!is_known) CHECK_FALSE(r.drive.run(set));
-        REQUIRE(r.drive.begin(take_over) == errc::ok);
+        REQUIRE(r.drive.begin(taking_over) == errc::ok);
         r.port.frames.clear();
         while (!r.drive.is_idle()) r.turn(); // three tries of 100 ms
         CHECK(r.drive.last().error() == errc::timeout);
@@ -221,7 +221,7 @@ TEST_CASE("a blocking call that another task's stop replaces says so") {
     port.device = [&](tests::scripted_port& p, const sent_frame& f) { file(p, f); };
     line on{port, modbus::timing_at(115200)};
     bare::drive<line<port_type>> drive{on, node<device>{1}};
-    REQUIRE(drive.run(take_over));
+    REQUIRE(drive.run(taking_over));
     bool has_stopped = false;
     port.others = [&] {
         if (!has_stopped && !drive.is_idle()) has_stopped = drive.begin(halting) == errc::ok;
@@ -375,7 +375,7 @@ TEST_CASE("a drive is absent after three reads of its feedback without a respons
     REQUIRE(r.halts() == 3);
     CHECK_FALSE(r.drive.is_absent());
     r.is_mute = false;
-    REQUIRE(r.drive.run(take_over));
+    REQUIRE(r.drive.run(taking_over));
     r.is_mute = true;
     r.port.frames.clear();
     for (std::size_t reads = 1; reads <= 3; ++reads) {
@@ -395,7 +395,7 @@ TEST_CASE("a drive is absent after three reads of its feedback without a respons
 
 TEST_CASE("G28: reads of its feedback that are lost now and then make no drive absent: three in a row do") {
     rig r{milliseconds(20)};
-    REQUIRE(r.drive.run(take_over));
+    REQUIRE(r.drive.run(taking_over));
     r.loop(50);
     for (int round = 0; round < 6; ++round) {
         CAPTURE(round);
@@ -470,7 +470,7 @@ TEST_CASE("G29: a command ends although the drive responds to the witness and ne
 
 TEST_CASE("G28: an absent drive is asked once a second, however long it is absent") {
     rig r{milliseconds(20)};
-    REQUIRE(r.drive.run(take_over));
+    REQUIRE(r.drive.run(taking_over));
     r.is_mute = true;
     r.loop(2000);
     for (int i = 0; i < 300; ++i) {
