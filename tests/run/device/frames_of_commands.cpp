@@ -177,7 +177,7 @@ TEST_CASE("the frames of a C630S's commands, and what each word that they read d
         "1714: again \" \" \", 1718: again \" \" \", 171C: again \" \" \", 1721: again \" \" \", "
         "1725: again \" \" \", 1729: again \" \" \", 172D: again \" \" \", 1731: again \" \" \", "
         "1735: again \" \" \", 1739: again \" \" \", 173D: again \" \" \", 0C09: again \" \" -, 0B21=0000, "
-        "3100=8000, 3100: unexpected_value, 1720: -");
+        "0C0D: needs_init, 3100=8000, 3100: unexpected_value, 1720: -");
     expect(frames_of(r, off, (ramps{100 * millisecond, 200 * millisecond})),
            "0C0D: needs_init, 0605=0064 00C8, 0605: unexpected_value \"");
     expect(frames_of(r, off, (torque_limits{90 * percent, 80 * percent})),
