@@ -21,7 +21,7 @@
 namespace servobus::zlac8015d {
 
 /// The ZLAC8015D: Modbus RTU, 8N1, addresses 1..127; factory settings: address 1, 115200 Bd. The manual states no
-/// response time. Of 1508 exchanges with a drive the longest took 6.9 ms ([field](../field.md)). The limit has room for
+/// response time. Of 1508 exchanges with a drive the longest took 6.9 ms: device/field.md. The limit has room for
 /// an adapter's latency timer of 16 ms, and a margin. The quarantine drops a later response.
 struct device {
     static constexpr exception_meaning exceptions[] = {
