@@ -88,7 +88,9 @@ GIVEN = {
     "device/yako/axis_drive.hpp": LITERALS + WIRE,
     "device/zlac8015d/axes.hpp": LITERALS + WIRE,
     "device/zlac8015d/robot.hpp": LITERALS + WIRE,
-    "bus/bus.hpp": NODES + WIRE + """inline constexpr poll_plan plan{
+    "bus/scheduled_line.hpp": NODES + """inline posix::serial serial;
+        inline constexpr poll_plan plan{modbus::timing_at(115200), controlled(wheels_node, unsupervised)};""",
+    "bus/bus.hpp": NODES + WIRE.replace("line wire", "scheduled_line wire") + """inline constexpr poll_plan plan{
         modbus::timing_at(115200), controlled(wheels_node, unsupervised), controlled(lift_node, unsupervised),
         cyclic<zlac8015d::bus_voltage>(wheels_node, milliseconds(200))};
         inline zlac8015d::drive wheels{wire, wheels_node, unsupervised}; inline yako::closed_loop::drive lift{wire, lift_node};

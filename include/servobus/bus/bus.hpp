@@ -6,9 +6,7 @@
 // servobus.hpp. One `step` in each loop iteration never waits; `run` and `run_for` are blocking calls that
 // loop over it.
 //
-//     scheduled_line wire{port, plan.timing()};
-//     zlac8015d::drive wheels{wire, 1, unsupervised}; // the bus gives it what the plan says
-//     auto all = make_bus<plan>(wire, wheels);
+//     auto all = make_bus<plan>(wire, wheels, lift); // wire: a scheduled_line
 //     for (;;) {
 //         all.step(); // the drives are stepped here and nowhere else
 //         if (const auto seen = all.latest<0>(milliseconds(500))) show(seen->get<zlac8015d::bus_voltage>());

@@ -4,8 +4,8 @@
 // The line of a bus, which decides whether and when the requests of others are sent. Programs with a bus make it in
 // place of a `line`, and it has the same calls. Until a bus begins it is a line as any other.
 //
-//     scheduled_line wire{port, modbus::timing_at(115200)};
-//     zlac8015d::drive wheels{wire, 1, unsupervised};
+//     scheduled_line wire{serial, plan.timing()};
+//     zlac8015d::drive wheels{wire, wheels_node, unsupervised}; // the bus gives it what the plan says
 //     auto all = make_bus<plan>(wire, wheels);
 #pragma once
 
