@@ -102,7 +102,7 @@ TEST_CASE(
         r.port.device = responding_with_exception(2);
         expect(r, errc::exception, true);
     }
-    // What the drive says in its registers leaves what is known of it.
+    // An error that the registers of the drive show leaves its settings known.
     for (const errc why :
          {errc::busy, errc::faulted, errc::wrong_state, errc::unexpected_value, errc::not_reached}) {
         bare_rig<unechoed> r{relaxed};

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// What each command of a ZLAC8015D does to the speeds of its wheels: for each one after rest and after a motion, done
-// and failed.
+// Each command of a ZLAC8015D leaves the speeds of its wheels, or changes them. It is played after rest and after a
+// motion, done and failed.
 #include <string>
 
 #include <doctest/doctest.h>

@@ -13,36 +13,15 @@
 #include <servobus/device/yako/single_parameters.hpp>
 #include <servobus/device/zlac8015d/single_parameters.hpp>
 #include <tests/support/driven_yako.hpp>
-#include <tests/support/driven_zlac8015d.hpp>
-#include <tests/support/frames_of_commands.hpp>
-#include <tests/support/simulated_c630s.hpp>
+#include <tests/support/watched_drives.hpp>
 
 namespace frames_of_rarer_commands_tests {
 
 using namespace servobus;
 using namespace servobus::units;
-using frames_of_commands::frames_of;
-using frames_of_commands::watched;
+using namespace frames_of_commands;
 
 namespace {
-
-struct new_servo : simulated::simulated_model<watched<sim::c630s>, sim::c630s_options, 57600> {
-    c630s::drive<line_type> drive{line, 1, unsupervised};
-    new_servo() = default;
-};
-/// A C630S that is set up.
-struct servo : new_servo {
-    servo() {
-        REQUIRE(drive.run(init{}));
-        REQUIRE(drive.run(c630s::set_up{}));
-        model.power_cycle();
-    }
-};
-struct dual_servo : simulated::simulated_model<watched<sim::zlac8015d>, sim::zlac8015d_options, 115200> {
-    zlac8015d::drive<line_type> drive{line, 1, unsupervised};
-};
-
-void expect(const std::string& frames, const char* wanted) { CHECK(frames == wanted); }
 
 constexpr auto off = [](auto& r) { return bool{r.drive.run(init{})}; };
 

@@ -138,7 +138,7 @@ TEST_CASE("G34: how a move has ended, by the words after its start") {
         {1000, {{70'000, 0, 30}, {71'000, completed}}, stopped, unknown, 30},
         // COIN within 500 ms of the start may be that of the move before.
         {1000, after({0}, 4, {0, completed}, {1000, completed}), ok, unknown, 0},
-        // It presses for 100 ms: at a stop. Not while it turns, nor for less.
+        // The motor is at a stop once it has pressed for 100 ms. It is not while it turns, nor sooner.
         {1000, {{0}, {500, pressing}}, stopped, blocked, 500},
         {1000,
          {{0}, {900, pressing, 100}},

@@ -174,7 +174,7 @@ TEST_CASE("G34: whether a homing has found home, by the images before and after 
         {70, stay_position_offset, {{1000, homed}, {900, homed | moving}, {70, homed}}, errc::ok},
         {70, stay_position_negative_offset, {{1000, homed}, {900, homed | moving}, {-70, homed}}, errc::ok},
         {70, move_position_actual, {{1000, homed}, {900, homed | moving}, {70, homed}}, errc::not_reached},
-        // It fell: home is wherever that is.
+        // The homed bit fell, so the motor is home wherever it stands.
         {0, move_position_zero, {{1000, homed}, {900, moving}, {400, homed}}, errc::ok},
     };
     for (const scene& s : all) {

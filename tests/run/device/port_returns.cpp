@@ -149,7 +149,7 @@ TEST_CASE("G45: a move that a wait has seen at its target is not stopped, one th
 }
 
 TEST_CASE("G45: which commands show that a motor stands which has come to rest by itself") {
-    // What is begun after the motion; whether the drive is stopped all the same as its port returns.
+    // Runs `command` after the motion. True if the drive is stopped all the same as its port returns.
     const auto is_stopped_after = [](auto& s, const auto& command, errc ends = errc::ok) {
         CHECK(s.drive.run(command).error() == ends);
         s.wire.unplug();
