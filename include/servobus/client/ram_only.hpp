@@ -33,9 +33,9 @@ class ram_only {
     template <class Line, device_class Device, class Node> friend class raw_client;
     template <class Line, device_class Device, class Node> friend class detail::node_link;
     constexpr ram_only(std::uint8_t node_address, epoch read_in)
-        : misses_{read_in.misses}, losses_{read_in.losses}, address_{node_address} {}
+        : misses_{read_in.misses}, losses_{read_in.events.losses}, address_{node_address} {}
     constexpr bool holds(std::uint8_t node_address, epoch now) const {
-        return address_ == node_address && is_same_life(now, epoch{misses_, losses_});
+        return address_ == node_address && is_same_life(now, epoch{misses_, {losses_}});
     }
 
     std::uint16_t misses_ = 0; // the epoch in two fields: four bytes together

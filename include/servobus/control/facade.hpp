@@ -130,7 +130,7 @@ template <class Model, class Line> class facade : public drive_view<Model, Line>
     // Another facade of the drive has stale settings from now on.
     constexpr void note_change() {
         line_->note_change(this->address());
-        machine_.note_own_change(*line_);
+        machine_.note_own_change();
     }
     // The cached settings, if they are still valid now.
     constexpr const settings& valid_settings() { return machine_.valid_settings(line_->now(), *line_); }

@@ -10,25 +10,31 @@
 
 #include <servobus/core/cxx20.hpp>
 
+#include <bit>
 #include <cstdint>
 
 namespace servobus {
 
-/// `line::epoch(address)`: another value after each request to the node that left and got no valid response,
-/// after each exchange that was left without its end, after each loss of the port, and after each write by another
-/// client of a setting that a facade caches, of whichever node. It wraps.
-struct epoch {
-    /// So many losses stand for a write of a setting that a facade caches.
-    static constexpr std::uint8_t change = 4;
+/// What has happened on a line, compared in one instruction. Each counter wraps.
+struct alignas(2) line_events {
+    std::uint8_t losses = 0;  ///< of the port; each counts as a miss too
+    std::uint8_t changes = 0; ///< writes, by other clients, of settings that a facade caches, of whichever node
 
+    friend constexpr bool operator==(line_events a, line_events b) {
+        return std::bit_cast<std::uint16_t>(a) == std::bit_cast<std::uint16_t>(b);
+    }
+};
+
+/// `line::epoch(address)`.
+struct epoch {
+    /// Requests to the node that left and got no valid response, and exchanges that were left without their end. Wraps.
     std::uint16_t misses = 0;
-    /// Losses of the port, each of which counts as a miss too, and writes of settings that a facade caches.
-    std::uint8_t losses = 0;
+    line_events events{};
 
     friend constexpr bool operator==(const epoch&, const epoch&) = default;
     /// True if the node cannot have restarted between the two: they differ by changes alone.
     friend constexpr bool is_same_life(epoch a, epoch b) {
-        return a.misses == b.misses && ((a.losses ^ b.losses) & (change - 1u)) == 0;
+        return a.misses == b.misses && a.events.losses == b.events.losses;
     }
 };
 

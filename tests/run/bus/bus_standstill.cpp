@@ -311,8 +311,8 @@ TEST_CASE("G21: a lost port invalidates all cached settings, whichever user of t
         REQUIRE(r.wheels.begin(zlac8015d::velocity{20 * r_per_min, 20 * r_per_min}) == errc::ok);
         for (unsigned i = 0; i < turns; ++i) r.turn();
         r.wire.unplug();
-        const std::uint8_t losses = r.on.epoch(1).losses;
-        for (tests::loop_bound left{"a loss"}; r.on.epoch(1).losses == losses; left.use()) r.turn();
+        const std::uint8_t losses = r.on.epoch(1).events.losses;
+        for (tests::loop_bound left{"a loss"}; r.on.epoch(1).events.losses == losses; left.use()) r.turn();
         r.wire.plug(); // opened again before another user of the line has noticed
         if (turns % 2 != 0) { REQUIRE(r.wheels.begin(zlac8015d::quick_stop{}) == errc::ok); }
         r.run(400);

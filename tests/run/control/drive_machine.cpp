@@ -130,7 +130,7 @@ constexpr bool a_lost_port_ends_it() {
     hand h;
     if (h.begin(zlac::read_feedback{}) != errc::needs_init) return false;
     if (h.begin(zlac::init{}) != errc::ok || !h.load()) return false;
-    ++h.in.losses;
+    ++h.in.events.losses;
     h.in.misses += 0x100; // a miss of all nodes
     if (!h.drive.pass(h.now, h)) return false;
     h.drive.notify(h);
@@ -143,7 +143,8 @@ static_assert(a_lost_port_ends_it());
 constexpr errc after_changes(unsigned changes, std::uint8_t changed, unsigned losses = 0) {
     hand h;
     if (h.begin(zlac::init{}) != errc::ok || !h.load()) return errc::bad_argument;
-    h.in.losses = static_cast<std::uint8_t>(h.in.losses + changes * epoch::change + losses);
+    h.in.events.losses = static_cast<std::uint8_t>(h.in.events.losses + losses);
+    h.in.events.changes = static_cast<std::uint8_t>(h.in.events.changes + changes);
     h.changed = changed;
     const bool has_ended = h.drive.pass(h.now, h);
     h.drive.notify(h);
@@ -157,6 +158,8 @@ static_assert(after_changes(1, 2) == errc::ok);         // of another one
 static_assert(after_changes(2, 2) == errc::needs_init); // which the first was of is not known
 static_assert(after_changes(0, 2, 1) == errc::port_lost);
 static_assert(after_changes(1, 2, 2) == errc::port_lost);
+static_assert(after_changes(0, 1, 4) == errc::port_lost); // several losses are no change
+static_assert(after_changes(0, 2, 8) == errc::port_lost);
 
 TEST_CASE("G19: a drive's machine is moved by hand, without a line") {
     hand h;

@@ -191,7 +191,7 @@ TEST_CASE("a port that fails ends the exchange with its error, and the next one 
             r.port.never_sent = true;
         const status why = r.run(read_one).why;
         CHECK(why.error() == (is_lost ? errc::port_lost : errc::partial_send));
-        CHECK((r.on.epoch(1).losses != before.losses) == is_lost);
+        CHECK((r.on.epoch(1).events.losses != before.events.losses) == is_lost);
         CHECK_FALSE(r.on.is_echo_ruled_out());
         const std::uint64_t failed = r.port.time;
         r.port.lost_from_call = 0;

@@ -193,7 +193,7 @@ TEST_CASE("G21: a port that is lost while a request leaves is reported as lost")
     for (const bool is_in_pieces : {false, true}) {
         CAPTURE(is_in_pieces);
         rig r;
-        const std::uint8_t before = r.on.epoch(1).losses;
+        const std::uint8_t before = r.on.epoch(1).events.losses;
         if (is_in_pieces) r.port.takes_at_most = 3;
         exchange x = r.make(stop, 0);
         while (r.port.bytes_sent() == 0) r.on.step(x, r.gaps);
@@ -201,7 +201,7 @@ TEST_CASE("G21: a port that is lost while a request leaves is reported as lost")
         r.finish(x);
         CHECK(x.status() == errc::port_lost);
         CHECK(x.status().outcome() == outcome::unknown);
-        CHECK(static_cast<std::uint8_t>(r.on.epoch(1).losses - before) == 1);
+        CHECK(static_cast<std::uint8_t>(r.on.epoch(1).events.losses - before) == 1);
     }
 }
 
@@ -209,7 +209,7 @@ TEST_CASE("G21: a port that stays away counts as lost once, however often it is 
     for (const unsigned tries : {1u, 2u, 255u, 256u, 512u}) {
         CAPTURE(tries);
         rig r;
-        const std::uint8_t losses = r.on.epoch(1).losses;
+        const std::uint8_t losses = r.on.epoch(1).events.losses;
         const std::uint16_t misses = r.on.epoch(1).misses;
         r.port.lost_from_call = 1;
         for (unsigned i = 0; i < tries; ++i) {
@@ -217,7 +217,7 @@ TEST_CASE("G21: a port that stays away counts as lost once, however often it is 
             r.finish(x);
             REQUIRE(x.status() == errc::port_lost);
         }
-        CHECK(static_cast<std::uint8_t>(r.on.epoch(1).losses - losses) == 1);
+        CHECK(static_cast<std::uint8_t>(r.on.epoch(1).events.losses - losses) == 1);
         CHECK(r.on.epoch(1).misses != misses);
         // It returns, and is lost again: another loss.
         r.port.lost_from_call = 0;
@@ -225,7 +225,7 @@ TEST_CASE("G21: a port that stays away counts as lost once, however often it is 
         r.port.lost_from_call = 1;
         exchange again = r.make(read_one, 0);
         r.finish(again);
-        CHECK(static_cast<std::uint8_t>(r.on.epoch(1).losses - losses) == 2);
+        CHECK(static_cast<std::uint8_t>(r.on.epoch(1).events.losses - losses) == 2);
     }
 }
 

@@ -235,7 +235,7 @@ TEST_CASE("G21: a request without a response changes the epoch of its node, what
         for (int i = 0; i < 3; ++i) {
             CHECK(r.run(request).why.error() == errc::timeout);
             CHECK_FALSE(r.on.epoch(node) == before);
-            CHECK(r.on.epoch(node).losses == before.losses);
+            CHECK(r.on.epoch(node).events.losses == before.events.losses);
             before = r.on.epoch(node);
         }
         CHECK(r.on.epoch(others[0]) == of_others[0]);

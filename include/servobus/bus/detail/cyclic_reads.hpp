@@ -158,7 +158,7 @@ template <const auto& Plan, class Line, class... Drives> class cyclic_reads {
         });
     }
     template <class Drive> constexpr bool is_known(const Drive& drive) const {
-        return drive.machine().is_known(line_->now(), line_->epoch(drive.address()).losses);
+        return drive.machine().is_known(line_->now(), line_->epoch(drive.address()));
     }
     // The node may be read, and its values count: it has no facade, or one that knows of no restart.
     constexpr bool is_known(std::size_t i) const {

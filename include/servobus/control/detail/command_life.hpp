@@ -36,8 +36,8 @@ template <class Model, class Exchange> class command_life {
     constexpr const bus_gaps& gaps() const { return gaps_; }
 
     /// True if the settings are known and the link has held until now.
-    constexpr bool is_known(instant now, std::uint8_t losses) const {
-        return known_.is_known() && known_.link().holds(now, losses);
+    constexpr bool is_known(instant now, epoch at) const {
+        return known_.is_known() && known_.link().holds(now, at);
     }
     /// The cached settings, if they are still valid now.
     template <class Line> constexpr const settings& valid_settings(instant now, const Line& on) {
@@ -80,9 +80,7 @@ template <class Model, class Exchange> class command_life {
     }
 
     /// The line was told of a change of settings that this machine's own command makes.
-    template <class Line> constexpr void note_own_change(const Line& on) {
-        known_.link().skip_change(on.epoch(address()).losses);
-    }
+    constexpr void note_own_change() { known_.link().skip_change(); }
 
     constexpr void note_command(instant now) { slot_.supervisors().note_command(now); }
     constexpr void set_command_timeout(command_timeout limit, instant now) {
@@ -269,13 +267,13 @@ template <class Model, class Exchange> class command_life {
     }
     // True if a command has ended.
     template <class Line> [[gnu::always_inline]] constexpr bool check_link(instant now, const Line& on) {
-        return !known_.link().holds(now, on.epoch(address()).losses) && fail_link(now, on);
+        return !known_.link().holds(now, on.epoch(address())) && fail_link(now, on);
     }
     // A lost port makes the settings invalid, and so do another client that writes one of them, and the drive's
     // watchdog when its time has passed. A request without a response makes the witness due.
     template <class Line> [[gnu::noinline]] constexpr bool fail_link(instant now, const Line& on) {
         auto& link = known_.link();
-        const errc why = link.take_loss(on.epoch(address()).losses, on.changed_node(), address());
+        const errc why = link.take_events(on.epoch(address()), on.changed_node(), address());
         const bool is_lost = why != errc::ok;
         if (is_lost) {
             if (!slot_.is_stopping()) give_up(why, now);

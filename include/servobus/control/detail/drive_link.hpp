@@ -30,23 +30,23 @@ template <bool HasWatchdog> class drive_link {
     constexpr const duration& watchdog() const { return watchdog_; }
     constexpr duration& watchdog() { return watchdog_; }
 
-    /// The drive is heard, and the port was not lost since the last `take_loss`.
-    constexpr bool holds(instant now, std::uint8_t losses) const {
-        return losses_ == losses && !is_expired() && !is_overdue(now);
+    /// The drive is heard, and since the last `take_events` neither was the port lost nor a setting written.
+    constexpr bool holds(instant now, epoch at) const {
+        return events_ == at.events && !is_expired() && !is_overdue(now);
     }
     /// The settings are stale: `port_lost` once after each loss of the port, `needs_init` once after another client has
     /// written one of them. Several such writes between two calls count for all nodes of the line, since `changed_node`
     /// is that of the last one.
-    constexpr errc take_loss(std::uint8_t losses, std::uint8_t changed_node, std::uint8_t address) {
-        const auto more = static_cast<std::uint8_t>(losses - losses_);
-        losses_ = losses;
+    constexpr errc take_events(epoch at, std::uint8_t changed_node, std::uint8_t address) {
+        const auto more = static_cast<std::uint8_t>(at.events.changes - events_.changes);
         errc why = more == 0 ? errc::ok : errc::needs_init; // in this order: less code on a small core
-        if (more == epoch::change && changed_node != address) why = errc::ok;
-        if (more % epoch::change != 0) why = errc::port_lost;
+        if (more == 1 && changed_node != address) why = errc::ok;
+        if (events_.losses != at.events.losses) why = errc::port_lost;
+        events_ = at.events;
         return why;
     }
-    /// The last change of settings was the own one.
-    constexpr void skip_change(std::uint8_t losses) { losses_ = losses; }
+    /// The last change was this facade's own.
+    constexpr void skip_change() { ++events_.changes; }
     constexpr void expire() { is_expired_ = true; }
     /// A request that began to leave at `began` got a response.
     constexpr void note_response(instant began, instant now) {
@@ -80,7 +80,7 @@ template <bool HasWatchdog> class drive_link {
     bool is_expired_ = HasWatchdog;
     bool is_check_required_ = false;
     bool has_missed_ = false;
-    std::uint8_t losses_ = 0;
+    line_events events_{};
     duration watchdog_; // it goes on when the settings are invalid
     instant heard_{};   // when the last request that got a response began to leave
     instant checked_{};

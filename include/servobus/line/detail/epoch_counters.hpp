@@ -18,7 +18,7 @@ template <std::size_t Counters> class epoch_counters {
   public:
     [[gnu::always_inline]] constexpr epoch of(std::uint8_t node_address) const {
         const std::uint8_t of_node = of_node_[node_address % Counters];
-        return {static_cast<std::uint16_t>(of_all_ << 8 | of_node >> 1), losses_};
+        return {static_cast<std::uint16_t>(of_all_ << 8 | of_node >> 1), events_};
     }
     /// Begins an epoch of a node that responds.
     constexpr void begin(std::uint8_t node_address) { advance(of_node_[node_address % Counters]); }
@@ -41,15 +41,14 @@ template <std::size_t Counters> class epoch_counters {
         of_node = static_cast<std::uint8_t>(of_node & ~suspect);
     }
     constexpr void count_miss_of_all() {
-        if (++of_all_ == 0) ++losses_;
+        if (++of_all_ == 0) ++events_.losses;
     }
     constexpr void count_loss() {
-        ++losses_;
+        ++events_.losses;
         count_miss_of_all();
     }
-    // It counts as `epoch::change` losses, by which a facade tells the two. No miss: what clients have learned of a
-    // node holds.
-    constexpr void count_change() { losses_ = static_cast<std::uint8_t>(losses_ + epoch::change); }
+    // No miss: what clients have learned of a node holds.
+    constexpr void count_change() { ++events_.changes; }
 
   private:
     static constexpr unsigned suspect = 1; // the bit of a counter that no epoch has
@@ -58,7 +57,7 @@ template <std::size_t Counters> class epoch_counters {
         of_node = static_cast<std::uint8_t>(of_node + miss);
         if (of_node < miss) count_miss_of_all();
     }
-    std::uint8_t losses_ = 0;
+    line_events events_{};
     std::uint8_t of_all_ = 0;
     std::uint8_t of_node_[Counters]{};
 };
