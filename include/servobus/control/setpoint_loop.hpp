@@ -188,8 +188,13 @@ class setpoint_loop {
             return false;
         }
         if (ended == loop_part::setpoint && shows_stop(how.error())) withdraw();
-        if (ended == loop_part::enable && how && seen_ == drive_state::enabled) allow_motion();
+        if (ended == loop_part::enable) conclude_enable(static_cast<bool>(how));
         return reports_.note({.what = ended, .how = how});
+    }
+    // A stop that the drive refused meanwhile has withdrawn the consent all the same.
+    constexpr void conclude_enable(bool is_done) {
+        if (may_enable_ && is_done && seen_ == drive_state::enabled) allow_motion();
+        may_enable_ = false;
     }
     // The line worked, and the drive sent nothing.
     static constexpr bool is_unanswered(const routine_status& how) {
@@ -240,8 +245,12 @@ class setpoint_loop {
         (void)end_take_over();
     }
     constexpr void begin_enable() {
+        if (seen_ != drive_state::enabled || is_held()) {
+            start(enable_, loop_part::enable);
+            may_enable_ = asked_ == loop_part::enable; // until it has ended
+            return;
+        }
         may_enable_ = false;
-        if (seen_ != drive_state::enabled || is_held()) return start(enable_, loop_part::enable);
         allow_motion(); // it is energised, as after a halt
         (void)reports_.note({.what = loop_part::enable});
     }
@@ -281,7 +290,7 @@ class setpoint_loop {
     drive_state seen_ = drive_state::needs_init;
     bool has_tried_ = false;
     bool is_taken_over_ = false;
-    bool may_enable_ = false;
+    bool may_enable_ = false; // a consent that is not used up, or whose enable is under way
     bool may_reset_ = false;
     bool may_move_ = false;
     bool is_set_ = false; // since the last consent, and not too old

@@ -983,6 +983,47 @@ TEST_CASE("a stop that the drive refuses ends that motion is allowed all the sam
     CHECK_FALSE(loop.is_motion_allowed());
 }
 
+namespace {
+// A drive of a program's own that has no halt.
+template <class Drive> struct without_halt : Drive {
+    using Drive::Drive;
+    template <class Wanted> [[nodiscard]] constexpr errc begin(const Wanted& wanted) {
+        if constexpr (std::same_as<Wanted, servobus::halt>)
+            return errc::wrong_state;
+        else
+            return Drive::begin(wanted);
+    }
+};
+} // namespace
+
+TEST_CASE("G44: a stop that the drive refuses during an enable withdraws the consent to that") {
+    for (const bool is_again : {false, true}) {
+        simulated::simulated_closed_loop r;
+        without_halt<y::basic_drive<y::closed_loop::device, decltype(r.line)>> drive{
+            r.line, 1, {.feedback = milliseconds(20)}};
+        setpoint_loop loop{drive, take_over{}};
+        const auto turn = [&] {
+            const duration idle = loop.step();
+            r.wire.wait(idle.us == 0 ? microseconds(10) : idle);
+        };
+        const auto go = [&](std::uint32_t ms) {
+            const std::uint64_t end = r.wire.time_us() + std::uint64_t{ms} * 1000;
+            while (r.wire.time_us() < end) turn();
+        };
+        go(1000);
+        CHECK(loop.disable() == errc::ok); // a stepper is energised from its power-on
+        go(500);
+        REQUIRE(drive.state() == drive_state::disabled);
+        loop.enable();
+        for (tests::loop_bound left{"an enable"}; drive.is_idle(); left.use()) turn();
+        CHECK(loop.halt() == errc::wrong_state);
+        if (is_again) loop.enable();
+        go(500);
+        CHECK(drive.state() == drive_state::enabled); // the enable has gone on
+        CHECK(loop.is_motion_allowed() == is_again);
+    }
+}
+
 TEST_CASE("a bus steps the drives, and their loops command them") {
     tests::wheels_and_lift m;
     tests::wheels_and_lift_program p{m.wire};
