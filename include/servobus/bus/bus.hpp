@@ -105,7 +105,7 @@ class bus : detail::cyclic_reads<Plan, Line, Drives...> {
                 const routine_status how = run_once(drive, wanted);
                 if (!how || !drive.is_changing_speed()) return how;
                 const bool is_due = run_while([&] {
-                    drive.machine().note_command(line_->now());
+                    drive.machine().supervisors().note_command(line_->now());
                     return since(begun, line_->now()) < milliseconds(20);
                 });
                 if (!is_due) return routine_status{errc::clock_stopped};
@@ -176,7 +176,7 @@ class bus : detail::cyclic_reads<Plan, Line, Drives...> {
         const errc refusal = drive.machine().note_refusal(drive.begin(wanted));
         if (refusal != errc::ok) return routine_status{refusal};
         const bool has_ended = run_while([&] {
-            drive.machine().note_command(line_->now());
+            drive.machine().supervisors().note_command(line_->now());
             return !drive.is_idle();
         });
         if (!has_ended) {
@@ -202,7 +202,7 @@ class bus : detail::cyclic_reads<Plan, Line, Drives...> {
     template <class Drive> constexpr void adopt(Drive& drive, const supervised_node& as) {
         auto& machine = drive.machine();
         const bool is_here = &drive.line() == line_;
-        if (is_here) machine.follow_plan(); // also a refused one: its stops are read back
+        if (is_here) machine.terms().follow_plan(); // also a refused one: its stops are read back
         if (!is_here || drive.address() != as.address) return machine.refuse();
         machine.adopt(as, Plan.rules().stop_every, Plan.retry_period(), Plan.longest_response(),
                       line_->now());
@@ -213,7 +213,7 @@ class bus : detail::cyclic_reads<Plan, Line, Drives...> {
     // A drive may say that it responds later than the plan counts with: it is not waited for so long.
     template <class Drive> static constexpr duration step_of(Drive& drive) {
         const duration idle = drive.step();
-        drive.machine().bound_response(Plan.longest_response());
+        drive.machine().terms().bound_response(Plan.longest_response());
         return idle;
     }
     constexpr std::size_t longest_waiting() {

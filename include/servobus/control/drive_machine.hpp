@@ -15,31 +15,108 @@
 #include <cstddef>
 #include <cstdint>
 
-#include <servobus/control/detail/command_life.hpp>
+#include <servobus/client/node.hpp>
+#include <servobus/control/detail/begin_rules.hpp>
+#include <servobus/control/detail/command_end.hpp>
+#include <servobus/control/detail/command_slot.hpp>
+#include <servobus/control/detail/drive_frame.hpp>
+#include <servobus/control/detail/feedback_end.hpp>
+#include <servobus/control/detail/frame_buffers.hpp>
+#include <servobus/control/detail/knowledge.hpp>
 #include <servobus/control/detail/next_frame.hpp>
+#include <servobus/control/detail/terms.hpp>
+#include <servobus/control/detail/verdict_rules.hpp>
 #include <servobus/control/states.hpp>
-#include <servobus/core/bytes.hpp>
-#include <servobus/modbus/pdu.hpp>
-#include <servobus/modbus/rtu.hpp>
+#include <servobus/control/supervised_node.hpp>
+#include <servobus/control/supervision.hpp>
 
 namespace servobus {
 
 /// The machine of a drive that `Model` describes (device/README.md). `Exchange` is its line's. A `Line` gives the epoch
 /// of a node, the node that was changed last, and the timing, gives an exchange up (`abandon`) and keeps itself free
 /// (`announce_stop`).
-template <class Model, class Exchange> class drive_machine : public detail::command_life<Model, Exchange> {
-    using base = detail::command_life<Model, Exchange>;
-    using base::exchange_, base::frame_, base::known_, base::slot_;
-    using step_type = servobus::step;
-    using polls = detail::polling<Model>;
-
+template <class Model, class Exchange> class drive_machine {
   public:
+    using prepared_command = typename Model::prepared_command;
+    using settings = typename Model::settings;
+
     template <class Node>
     constexpr drive_machine(const Node& at, duration feedback, command_timeout limit)
-        : base{at, feedback, limit} {}
-    // The exchange refers to this object's buffers.
-    drive_machine(const drive_machine&) = delete;
-    drive_machine& operator=(const drive_machine&) = delete;
+        : known_{at.is_valid() ? at.address : std::uint8_t{0}, feedback}, terms_{at}, slot_{limit.limit()},
+          buffers_{known_.address()} {}
+
+    constexpr std::uint8_t address() const { return known_.address(); }
+    constexpr const detail::knowledge<Model>& known() const { return known_; }
+    /// For what only a drive's own facade knows, such as the geometry of an axis.
+    constexpr Model& model() { return known_.model(); }
+    constexpr const detail::command_slot<Model>& slot() const { return slot_; }
+    constexpr detail::supervisors& supervisors() { return slot_.supervisors(); }
+    constexpr detail::terms& terms() { return terms_; }
+    constexpr const detail::terms& terms() const { return terms_; }
+
+    // --- Its command
+
+    /// True if the settings are known and the link has held until now.
+    constexpr bool is_known(instant now, epoch at) const {
+        return known_.is_known() && known_.link().holds(now, at);
+    }
+    /// The cached settings, if they are still valid now.
+    template <class Line> constexpr const settings& valid_settings(instant now, const Line& on) {
+        (void)check_link(now, on);
+        if (known_.link().is_expired()) known_.invalidate();
+        return known_.cached();
+    }
+    /// Starts a command that was planned with `valid_settings`.
+    constexpr errc accept(prepared_command& next, instant now) {
+        const bool is_refused = terms_.is_refused() && next.stop == stop_priority::no_stop;
+        if (address() == 0 || is_refused) return errc::bad_argument;
+        if (const errc refusal = detail::refusal_of(next, known_, slot_); refusal != errc::ok) {
+            detail::drop_target(known_, next, refusal);
+            return refusal;
+        }
+        if (!slot_.is_idle() && leaves_unknown()) {
+            known_.invalidate();
+            // The frames of a stop follow from what is known.
+            if (next.stop != stop_priority::no_stop)
+                next = Model::stop_for(next.stop, known_.cached(), false);
+        }
+        if (next.steps.empty()) return errc::bad_argument; // `no_steps` without a reason
+        return take(next, now);
+    }
+    /// `last` says why a command was refused, unless that of the command under way is due.
+    constexpr errc note_refusal(errc refusal) {
+        if (refusal != errc::ok && slot_.is_idle()) slot_.set_report(routine_status{refusal});
+        return refusal;
+    }
+    /// Ends the command under way with an error. The exchange may be dropped.
+    constexpr void give_up(errc why, instant now) {
+        if (slot_.is_idle()) return;
+        const bool was_written = frame_.is_step_sent(exchange()) && buffers_.is_write();
+        frame_.drop();
+        run().end(why, was_written);
+        settle(now);
+    }
+    /// The line was told of a change of settings that this machine's own command makes.
+    constexpr void note_own_change() { known_.link().skip_change(); }
+    /// Time passes: the link is checked, and a supervisor may begin a stop. True if a command has ended or begun.
+    template <class Line> constexpr bool pass(instant now, const Line& on) {
+        const bool has_ended = check_link(now, on);
+        return supervise(now) || has_ended;
+    }
+    /// Takes over what a plan states for the drive.
+    constexpr void adopt(const supervised_node& as, duration stop_every, duration retry_every,
+                         duration longest_response, instant now) {
+        terms_.adopt(as.limits, as.gaps, longest_response);
+        known_.polling().set_period(as.by.feedback);
+        known_.polling().absence().set_period(retry_every);
+        supervisors().set_limit(as.by.command_timeout.limit(), now);
+        supervisors().repeat_stops(stop_every);
+    }
+    /// A plan has another drive in its place: it is polled no more and refuses all commands but stops.
+    constexpr void refuse() {
+        terms_.refuse();
+        known_.polling().set_period({});
+    }
 
     // --- Its frame
 
@@ -49,12 +126,12 @@ template <class Model, class Exchange> class drive_machine : public detail::comm
     /// True from the frame's first byte until `conclude`.
     constexpr bool is_on_the_wire() const { return frame_.is_on_the_wire(exchange_); }
     /// True while a stop that goes before all other traffic waits to be sent.
-    constexpr bool wants_stop() const { return is_urgent() && !frame_.is_on_the_wire(exchange_); }
+    constexpr bool wants_stop() const { return slot_.run().is_urgent() && !is_on_the_wire(); }
     /// True if the line is to keep itself free for a stop, which is the next frame.
-    constexpr bool announces_stop() const { return is_urgent() && purpose() != flight::step; }
+    constexpr bool announces_stop() const { return slot_.run().is_urgent() && purpose() != flight::step; }
     /// Makes the line follow a command that has begun or ended: gives up a dropped frame, announces a stop.
     template <class Line> constexpr void notify(Line& on) {
-        if (frame_.is_dropped(exchange_)) on.abandon(exchange_);
+        if (frame_.is_dropped(exchange())) on.abandon(exchange());
         if (announces_stop()) on.announce_stop();
     }
     /// The waiting frame's place in the line's queue: a lower one has waited longer. 0: no frame waits.
@@ -68,241 +145,205 @@ template <class Model, class Exchange> class drive_machine : public detail::comm
     /// Fills the exchange with the request for `what`. The exchange has ended, or waited and was abandoned.
     template <class Line> constexpr void load(flight what, instant now, const Line& on) {
         const bool has_waited = purpose() != flight::none;
-        frame_.begin(what);
+        frame_.begin(what, on.epoch(address()));
         if (what == flight::none) return;
-        const std::uint16_t ticket = has_waited ? exchange_.ticket() : std::uint16_t{0};
-        fill(now, on);
-        exchange_.set_ticket(ticket); // it keeps its place in the queue
+        const std::uint16_t ticket = has_waited ? exchange().ticket() : std::uint16_t{0};
+        buffers_.fill(exchange_, what, known_, slot_, terms_, now, on);
+        exchange().set_ticket(ticket); // it keeps its place in the queue
     }
     /// Concludes from an exchange that is done. `began`: when its first byte left. `is_echo_possible`: the response may
     /// be the request's echo.
     constexpr void conclude(instant now, instant began, bool is_echo_possible) {
-        const status got = exchange_.status();
+        const status got = exchange().status();
         const flight was = frame_.end();
-        known_.set_last_frame(was);
-        known_.note_frame(got.has_response(), exchange_.was_sent(),
+        known_.note_frame(got.has_response(), exchange().was_sent(),
                           was == flight::refresh || was == flight::witness, began, now);
         switch (was) {
-        case flight::step:
-            run().conclude(exchange_, this->limits_, this->read_retries_, now);
-            if (run().is_waiting() && !known_.held().is_any()) known_.polling().note_wait(now);
-            if constexpr (base::runs_without_line) note_sent_motion();
-            if (!this->is_write())
-                known_.set_last_frame(flight::step_read);
-            else if (got.error() == errc::ok && detail::is_motion(slot_.kind()))
-                known_.note_motion(now); // the last write is the start
+        case flight::step: conclude_step(got, now); break;
+        case flight::refresh:
+            if (detail::take_read(known_, slot_, exchange_, buffers_.held(), terms_, began, now))
+                conclude_image(exchange().words(), false, now);
             break;
-        case flight::refresh: conclude_refresh(got, began, now); break;
         case flight::witness: conclude_witness(got, now); break;
         case flight::drained_write:
             if (!got.has_response()) known_.invalidate();
-            this->unwatched_.note_sent(); // perhaps its routine moves
-            break;
-        case flight::drained:
-        case flight::step_read:
+            known_.unwatched().note_sent(); // perhaps its routine moves
+            [[fallthrough]];
+        case flight::drained: known_.set_last_frame(last_frame::other); break;
         case flight::none: break;
         }
         if (slot_.is_idle() || !run().is_over()) return;
         if (is_echo_possible) run().note_possible_echo();
-        this->settle(now);
+        settle(now);
         // The image that a stop or a change of settings has read is judged when that has ended.
-        if (known_.last_frame() == flight::refresh && known_.polling().image().has_words)
-            react(judged(known_.image()), now);
+        if (known_.last_frame() == last_frame::feedback && known_.feedback().has_image())
+            react(detail::judged(known_, slot_, known_.feedback().image()), now);
     }
 
   private:
     constexpr detail::routine_run& run() { return slot_.run(); }
-    constexpr void note_sent_motion() {
-        const bool is_motion = detail::is_motion(slot_.kind()) || Model::kinds.moves(slot_.command().then);
-        if (is_motion && this->is_write() && exchange_.was_sent()) this->unwatched_.note_sent();
-    }
-    constexpr bool is_urgent() const { return slot_.run().is_urgent(); }
 
-    template <class Line> [[gnu::noinline]] constexpr void fill(instant now, const Line& on) {
-        known_.link().ask(on.epoch(this->address()));
-        const byte_buffer pdu = byte_buffer{this->request_}.subspan(1);
-        std::size_t size = 5;
-        register_block block = image_block<Model>;
-        if (purpose() == flight::step) {
-            size = run().put_request(pdu);
-            block.words = run().current().count;
-        } else {
-            if (purpose() == flight::witness) {
-                if (const step_type* look = known_.witness(slot_.command()).look; look != nullptr)
-                    block = {look->address, look->count};
-            } else {
-                const polls& polling = known_.polling();
-                const bool is_image_first = known_.last_frame() != flight::refresh &&
-                                            polling.is_image_due(now) && !polling.may_wait_for(slot_, now);
-                block = known_.polling().choose(run(), is_image_first);
-            }
-            constexpr auto read = modbus::function::read_holding_registers;
-            modbus::put_trusted_request(pdu, read, block.address, block.words);
+    // --- Commands begin and end
+
+    // True if the command under way may have changed a setting already.
+    constexpr bool leaves_unknown() const {
+        const bool is_writing = frame_.is_step_sent(exchange_) && buffers_.is_write();
+        return slot_.changes_settings() && (slot_.run().has_written() || is_writing);
+    }
+    [[gnu::always_inline]] constexpr errc take(prepared_command& next, instant now) {
+        if (const errc why = known_.model().admit(next, terms_.lost_response()); why != errc::ok) return why;
+        std::uint8_t urgent = next.stop != stop_priority::no_stop ? steps::urgent_frames : std::uint8_t{0};
+        if (next.stop == stop_priority::no_stop && slot_.is_stopping())
+            urgent = slot_.keep_stop_open(frame_.is_step_sent(exchange()), now);
+        slot_.count_command();
+        replace_by(next, owner::application, urgent, now);
+        slot_.watch(now);
+        return errc::ok;
+    }
+    // The target of a move that is under way counts no more.
+    constexpr void replace_by(const prepared_command& next, owner by, std::uint8_t urgent, instant now) {
+        const bool is_motion = !slot_.is_idle() && slot_.kind() >= command_kind::endless_motion;
+        if (is_motion && (run().has_written() || slot_.kind() == command_kind::move))
+            known_.model().preempt(slot_.command());
+        slot_.command() = next;
+        begin(by, urgent, now);
+    }
+    [[gnu::noinline]] constexpr void begin(owner by, std::uint8_t urgent, instant now) {
+        if (frame_.is_waiting(exchange())) {
+            frame_.drop();
+        } else if (frame_.purpose() == flight::step) {
+            frame_.drain(buffers_.is_write() && !run().is_at_stop());
         }
-        // The machine's own frame needs no check.
-        const std::size_t response = this->is_write() ? 8u : 5u + 2u * block.words;
-        const bytes request = modbus::close_trusted<typename Exchange::crc>(this->request_, size);
-        std::size_t at = known_.held().size(); // after feedback that is held back
-        if (at + response > sizeof this->response_) {
-            known_.held().drop();
-            at = 0;
+        slot_.begin(by, urgent, now);
+        if (slot_.is_setting_origin()) known_.feedback().note_origin();
+    }
+    // The routine has ended: so has its command, or steps follow.
+    [[gnu::noinline]] constexpr void settle(instant now) {
+        if (slot_.is_setpoint_of_application()) slot_.supervisors().note_command(now);
+        if (slot_.is_to_be_tried_again()) return begin(slot_.by(), run().urgent_left(), now);
+        const bool was_stop = slot_.is_stopping();
+        detail::command_end<Model>{known_, slot_}.conclude(terms_.limits(), frame_.misses_when_loaded(), now);
+        // A stop that goes on keeps the urgent frames that it has left.
+        if (!slot_.command().steps.empty())
+            begin(owner::follow_up, was_stop ? run().urgent_left() : steps::urgent_frames, now);
+    }
+
+    // --- Stops that no command asks for
+
+    // While the drive's watchdog may have stopped it, any other request may let it go on.
+    [[gnu::noinline]] constexpr void stop(stop_priority how, owner by, std::uint8_t urgent, instant now) {
+        const prepared_command next = Model::stop_for(how, known_.cached(), known_.link().is_expired());
+        if (next.steps.empty()) { // the model has none
+            give_up(errc::bad_argument, now);
+            return known_.invalidate();
         }
-        const priority how =
-            purpose() == flight::step && run().is_urgent() ? priority::stop : this->priority_;
-        exchange_ = Exchange::trusted(request, byte_buffer{this->response_ + at, response}, on.timing(),
-                                      this->limits_, how);
+        replace_by(next, by, urgent, now);
+    }
+    // Stops all of the drive, for a fault of one motor too. `may_read`: a command that reads the feedback has succeeded.
+    constexpr void stop_because(errc why, bool may_read, instant now) {
+        constexpr stop_priority how = Model::stops.at_fault;
+        const bool is_read = may_read && slot_.is_at(command_kind::refresh);
+        if (is_read) {
+            slot_.set_report({});
+        } else if (!slot_.is_idle() && slot_.command().stop < how) {
+            run().end(why, false);
+            settle(now);
+        }
+        if (slot_.is_stopping()) return;
+        stop(how, is_read ? owner::follow_up : owner::supervisor, steps::urgent_frames, now);
+    }
+    // True if a supervisor has begun a stop.
+    constexpr bool supervise(instant now) {
+        known_.polling().note_age(now);
+        const detail::due_stop due = slot_.due_stop_at(now, known_.unwatched().runs_without_port());
+        if (due.how == stop_priority::no_stop) return false;
+        if (due.is_of_command_timeout && !slot_.is_idle() && leaves_unknown()) known_.invalidate();
+        stop(due.how, owner::supervisor, due.urgent, now);
+        return true;
+    }
+
+    // --- The link: each call returns true if a command has ended
+
+    template <class Line> [[gnu::always_inline]] constexpr bool check_link(instant now, const Line& on) {
+        return !known_.link().holds(now, on.epoch(address())) && fail_link(now, on);
+    }
+    // A lost port makes the settings invalid, and so do another client that writes one of them, and the drive's
+    // watchdog when its time has passed. A request without a response makes the witness due.
+    template <class Line> [[gnu::noinline]] constexpr bool fail_link(instant now, const Line& on) {
+        auto& link = known_.link();
+        const errc why = link.take_events(on.epoch(address()), on.changed_node(), address());
+        const bool is_lost = why != errc::ok;
+        if (is_lost) {
+            if (!slot_.is_stopping()) give_up(why, now);
+            known_.invalidate();
+            if (why == errc::port_lost) known_.unwatched().note_lost_port();
+        }
+        if (!link.is_expired()) {
+            if (!link.expires(now)) return is_lost;
+            known_.invalidate();
+        }
+        // Also in the middle of a frame: with its response the command would go on, although nothing is known.
+        if (slot_.is_idle() || slot_.is_stopping() || run().is_at_stop()) return is_lost;
+        give_up(errc::needs_init, now);
+        return true;
     }
 
     // --- What a frame's end means
 
-    constexpr void conclude_refresh(const status& got, instant began, instant now) {
-        if constexpr (polls::has_slower) {
-            if (known_.polling().slower().is_in_flight()) return conclude_slower(got, began, now);
-        }
-        if (got.error() != errc::ok) {
-            known_.held().drop();
-            known_.polling().postpone(now);
-            if (run().reads(image_block<Model>)) run().fail_read(got, this->limits_, this->read_retries_);
-            return;
-        }
-        known_.polling().note_refresh(began);
-        conclude_image(exchange_.words(), false, now);
+    constexpr void conclude_step(const status& got, instant now) {
+        run().conclude(exchange(), terms_, now);
+        if (run().is_waiting() && !known_.feedback().held().is_any()) known_.polling().note_wait(now);
+        const bool is_write = buffers_.is_write();
+        const bool is_motion = detail::is_motion(slot_.kind()) || Model::kinds.moves(slot_.command().then);
+        if (is_motion && is_write && exchange().was_sent()) known_.unwatched().note_sent();
+        known_.set_last_frame(is_write ? last_frame::other : last_frame::step_read);
+        if (is_write && got.error() == errc::ok && detail::is_motion(slot_.kind()))
+            known_.motion().note_motion(now); // the last write is the start
     }
-    // Uses an image. `is_verified`: it was held back until the witness was read.
+
+    constexpr void react(verdict found, instant now) {
+        const errc why = detail::note_verdict(found, known_, slot_);
+        if (why != errc::ok) stop_because(why, true, now);
+    }
+    // `is_verified`: the image was held back until the witness was read.
     constexpr void conclude_image(words_view read, bool is_verified, instant now) {
         std::uint16_t words[image_block<Model>.words]; // NOLINT: all are filled
         for (std::size_t i = 0; i < image_block<Model>.words; ++i) words[i] = read[i];
-        const bool is_fall = !is_verified && known_.has_fallen(words);
-        verdict found = judged(words);
-        if (is_fall && found != verdict::disabled) found = verdict::uncertain;
-        if (found == verdict::uncertain) {
-            if (!is_verified && may_ask_witness()) {
-                known_.held().hold_image(this->response_, exchange_.response());
-                return known_.link().require_check();
-            }
-            if (is_fall) known_.note_origin();
-            if (is_verified || is_fall) found = verdict::as_expected; // a restart shows nowhere else
+        verdict found = verdict::as_expected;
+        if (detail::is_held_back(known_, slot_, words, is_verified, found)) {
+            known_.feedback().held().hold_image(buffers_.held(), exchange().response());
+            return known_.link().require_check();
         }
         known_.take_image(words, now);
-        known_.set_last_frame(flight::refresh);
+        known_.set_last_frame(last_frame::feedback);
         react(found, now);
-        known_.note_image(is_origin_open());
-        known_.take_held_block(this->response_);
-        run().use_image(known_.image(), image_block<Model>, now);
-        if (run().asks_model()) ask_model(now);
-    }
-    // Positions may be counted from elsewhere after the next refresh too.
-    constexpr bool is_origin_open() const { return slot_.is_setting_origin() || slot_.is_stopping(); }
-    // During a take-over nothing raises a suspicion: positions count from a new origin, and an image is not judged
-    // while settings change.
-    constexpr bool may_ask_witness() const {
-        if constexpr (polls::has_watchdog) // its witness takes little code
-            return known_.is_known() && known_.witness(slot_.command()).look != nullptr;
-        else
-            return may_ask_other_witness();
-    }
-    [[gnu::noinline]] constexpr bool may_ask_other_witness() const {
-        return known_.is_known() && known_.witness(slot_.command()).look != nullptr;
-    }
-    constexpr void conclude_slower(const status& got, instant began, instant now) {
-        auto& slower = known_.polling().slower();
-        const std::uint8_t block = slower.block();
-        const bool is_read_by_step = slower.block_for(run()) == block;
-        slower.land();
-        if (is_read_by_step) known_.set_last_frame(flight::step_read);
-        if (got.error() != errc::ok) {
-            if (is_read_by_step) run().fail_read(got, this->limits_, this->read_retries_);
-            return;
-        }
-        std::uint16_t words[steps::longest]; // NOLINT: as many as the block has are filled
-        for (std::size_t i = 0; i < Model::blocks[block].words; ++i) words[i] = exchange_.words()[i];
-        if (known_.withholds(block, words, began, may_ask_witness())) {
-            known_.held().hold_block(this->response_, exchange_.response());
-            slower.note_held(began);
-        } else {
-            known_.take_block(block, words, began);
-        }
-        run().use_image(words, Model::blocks[block], now);
-    }
-    constexpr void ask_model(instant now) {
-        // A motion counts from its start, which may have been another command's.
-        const duration waited =
-            slot_.kind() == command_kind::power ? known_.until_image(run().entered()) : known_.since_start();
-        const situation seen{.image = known_.image(), .words = run().words(), .waited = waited};
-        auto& model = known_.model();
-        errc found = errc::ok;
-        if (run().current().what == step_type::kind::permit) {
-            found = model.permit(slot_.command(), seen, known_.cached());
-            if (slot_.command().steps.empty()) return run().finish(); // nothing is left to do
-        } else {
-            found = model.confirm(slot_.command(), seen, known_.cached());
-        }
-        run().conclude_question(found, now);
+        detail::use_image(known_, slot_, buffers_.held(), now);
     }
     constexpr void conclude_witness(const status& got, instant now) {
-        known_.link().end_check();
-        if (got.error() != errc::ok) {
-            known_.held().drop();
-            known_.polling().postpone(now); // a drive that does not respond is not read in every step
-            if (!slot_.is_idle()) run().fail_read(got, this->limits_, this->read_retries_);
-            return;
-        }
-        if (!known_.is_known()) { // invalidated meanwhile
-            if (run().awaits_witness()) run().end(errc::needs_init, false);
-            return;
-        }
-        if (known_.is_same(exchange_.words(), slot_.command())) {
-            known_.link().verify(now);
-            known_.take_held_block(this->response_);
-            if (known_.held().is_image()) {
-                const words_view words = known_.held().words(this->response_);
-                known_.held().drop();
+        if (!detail::take_witness(known_, slot_, terms_, got, now)) return;
+        if (known_.is_same(exchange().words(), slot_.command())) {
+            known_.link().verify(frame_.misses_when_loaded(), now);
+            known_.take_held_block(buffers_.held());
+            if (known_.feedback().held().is_image()) {
+                const words_view words = known_.feedback().held().words(buffers_.held());
+                known_.feedback().held().drop();
                 conclude_image(words, true, now);
             }
             if (!slot_.is_idle()) run().conclude_witness(now);
             return;
         }
-        note_restart();
-        if constexpr (Model::stops.after_restart) return this->stop_because(errc::needs_init, false, now);
+        detail::note_restart(known_, slot_);
+        if constexpr (Model::stops.after_restart) return stop_because(errc::needs_init, false, now);
         if (!slot_.is_idle() && !slot_.is_stopping()) run().end(errc::needs_init, false);
     }
-    // Forgets the settings. The motor has no power any more, or stands: no command timeout is to stop it.
-    [[gnu::noinline]] constexpr void note_restart() {
-        known_.invalidate();
-        slot_.supervisors().end_watch();
-        known_.note_cause(stop_cause::restart);
-    }
-    // Judges an image of a drive whose settings are known, while no command changes them.
-    constexpr verdict judged(const std::uint16_t* words) {
-        return known_.is_known() && !slot_.is_changing() ? known_.model().judge(words, known_.cached())
-                                                         : verdict::as_expected;
-    }
-    constexpr void react(verdict found, instant now) {
-        switch (found) {
-        case verdict::as_expected: break;
-        case verdict::uncertain: known_.link().require_check(); break;
-        case verdict::held:
-            known_.note_cause(stop_cause::input);
-            known_.link().require_check(); // a restart may look like that
-            break;
-        case verdict::disabled:
-            note_restart();
-            if constexpr (Model::stops.after_restart) {
-                this->stop_because(errc::needs_init, true, now);
-            } else {
-                slot_.end_unless_reading(errc::needs_init);
-            }
-            break;
-        case verdict::tripped:
-            known_.set_cause(stop_cause::fault);
-            slot_.end_unless_reading(errc::faulted);
-            break;
-        case verdict::faulted:
-            if (known_.cause() == stop_cause::fault) break; // it was stopped for that
-            known_.set_cause(stop_cause::fault);
-            this->stop_because(errc::faulted, true, now);
-        }
-    }
+
+    // The bytes first: short instructions of a small core reach no further.
+    detail::drive_frame frame_{};
+    detail::knowledge<Model> known_;
+    Exchange exchange_{};
+    detail::terms terms_;
+    detail::command_slot<Model> slot_;
+    detail::frame_buffers<Model, Exchange> buffers_;
 };
 
 } // namespace servobus

@@ -17,7 +17,9 @@
 
 #include <servobus/client/node.hpp>
 #include <servobus/control/common_commands.hpp>
-#include <servobus/control/drive_view.hpp>
+#include <servobus/control/drive_machine.hpp>
+#include <servobus/control/drive_model.hpp>
+#include <servobus/control/drive_traits.hpp>
 #include <servobus/control/states.hpp>
 #include <servobus/control/supervision.hpp>
 #include <servobus/line/line.hpp>
@@ -25,14 +27,48 @@
 namespace servobus {
 
 /// A facade of one drive on `Line`; nothing else sends to the drive. `Model` describes it (device/README.md).
-template <class Model, class Line> class facade : public drive_view<Model, Line> {
-    using base = drive_view<Model, Line>;
-    using base::line_, base::machine_;
+template <class Model, class Line> class facade {
+    static_assert(Model::kinds.is_complete(),
+                  "an effect has no kind: each is listed in the `kinds` of the model");
+    static_assert(Model::kinds.are_origins_stated(),
+                  "which commands have a new origin is stated: `with_new_origin()` of `kinds`, for none too");
+    static_assert(image_block<Model>.words != 0, "the feedback of a model is at least one register");
+    static_assert(image_block<Model>.words <= steps::longest,
+                  "the feedback of a model is at most 11 registers");
+    static_assert(Model::traits.stops_without_line == (Model::watchdog(Model::unknown) != duration{}),
+                  "a drive that stops without its line has a watchdog, also while its settings are unknown");
+    static_assert(drive_model<Model>,
+                  "a model has each part of device/README.md, in the form that it has there");
 
   public:
-    using prepared_command = typename base::prepared_command;
-    using settings = typename base::settings;
-    using base::is_idle, base::last;
+    using model_type = Model;
+    using prepared_command = typename Model::prepared_command;
+    using settings = typename Model::settings;
+    using machine_type = drive_machine<Model, typename Line::exchange>;
+    /// In which respects the drive differs from others.
+    static constexpr drive_traits traits = Model::traits;
+
+    /// True if no command is under way, nor a stop of a supervisor.
+    constexpr bool is_idle() const { return machine_.slot().is_idle(); }
+    /// How the application's last command ended; meaningful when idle. A copy, since the next command has another.
+    constexpr routine_status last() const { return machine_.slot().report(); }
+    /// `faulted` if the last feedback shows a fault.
+    constexpr drive_state state() const { return machine_.known().state(); }
+    /// Returns the settings as far as they are known now.
+    constexpr settings cached() const { return machine_.known().cached(); }
+    /// Why the drive stopped following its last motion command; `unknown` while it follows.
+    constexpr stop_cause cause() const { return machine_.known().motion().cause(); }
+    /// The drive does not respond. One with a watchdog has not for its time; any other has not to three refreshes in a
+    /// row, and is then read once a second, on a bus once in the retry period of its plan.
+    constexpr bool is_absent() const { return machine_.known().is_absent(); }
+
+    constexpr std::uint8_t address() const { return machine_.address(); }
+    constexpr Line& line() const { return *line_; }
+    /// Gives a bus, or a test, the machine: what is to be sent, and since when it waits.
+    constexpr machine_type& machine() { return machine_; }
+    constexpr const machine_type& machine() const { return machine_; }
+
+    // --- Its commands
 
     /// Runs a command to its end. Waits; bounded by the routine's limits. The command timeout begins again
     /// meanwhile. Errors: the command's own; `preempted` if a stop replaced it.
@@ -79,9 +115,9 @@ template <class Model, class Line> class facade : public drive_view<Model, Line>
             }
             if (next == flight::none) return milliseconds(1);
         }
-        const duration idle = line_->step(machine_.exchange(), machine_.gaps());
+        const duration idle = line_->step(machine_.exchange(), machine_.terms().gaps());
         if (!machine_.exchange().done()) return idle;
-        machine_.conclude(line_->now(), line_->began_at(), !line_->is_echo_ruled_out(this->address()));
+        machine_.conclude(line_->now(), line_->began_at(), !line_->is_echo_ruled_out(address()));
         if (machine_.announces_stop()) line_->announce_stop();
         return {};
     }
@@ -91,33 +127,65 @@ template <class Model, class Line> class facade : public drive_view<Model, Line>
     /// `limit` and `longest_setpoint()` later. A stop that is not confirmed is repeated as often, unless `repeat_stops`
     /// has set another period.
     constexpr void set_command_timeout(command_timeout limit) {
-        machine_.set_command_timeout(limit, line_->now());
+        machine_.supervisors().set_limit(limit.limit(), line_->now());
     }
     /// `step` repeats a stop that was not confirmed, `every` so often, until it is, or until a command that
     /// succeeds replaces it. 0: it does not. The default is the command timeout.
-    constexpr void repeat_stops(duration every) { machine_.repeat_stops(every); }
+    constexpr void repeat_stops(duration every) { machine_.supervisors().repeat_stops(every); }
 
     /// How long a speed or torque takes at most that gets no response and is read back, each frame at its bound.
     constexpr duration longest_setpoint() const {
-        const response_limits& limits = machine_.limits();
-        const duration lost = line_->bound(longest_write, 8, limits, machine_.gaps());
-        return lost + line_->bound(8, 5 + 2 * steps::longest, limits, machine_.gaps()) * 2;
+        const response_limits& limits = machine_.terms().limits();
+        const duration lost = line_->bound(longest_write, 8, limits, machine_.terms().gaps());
+        return lost + line_->bound(8, 5 + 2 * steps::longest, limits, machine_.terms().gaps()) * 2;
     }
     /// True if one lost response takes longer than the command timeout. The drive is not stopped for that (G40), but a
     /// program that waits for the end of each command may command less often than its command timeout asks.
     constexpr bool is_command_timeout_short() const {
         const modbus::rtu_timing& timing = line_->timing();
         const duration frames = timing.wire_time(longest_write + 2 * (8 + 5 + 2 * steps::longest));
-        const duration quarantine = longer_of(timing.visible_gap(), machine_.gaps().quarantine);
-        return machine_.slot().supervisors().is_shorter_than(machine_.limits().response + quarantine +
+        const duration quarantine = longer_of(timing.visible_gap(), machine_.terms().gaps().quarantine);
+        return machine_.slot().supervisors().is_shorter_than(machine_.terms().limits().response + quarantine +
                                                              frames);
     }
 
   protected:
     template <class Node>
     constexpr facade(Line& on, const Node& at, duration feedback, command_timeout limit)
-        : base{on, at, feedback, limit} {}
+        : line_{&on}, machine_{at, feedback, limit} {}
     ~facade() = default;
+
+    // --- What it shows its drive's own facade
+
+    constexpr const Model& model() const { return machine_.known().model(); }
+    constexpr Model& model() { return machine_.model(); }
+    constexpr const std::uint16_t* image() const { return machine_.known().feedback().image(); }
+    /// Errors of feedback that may be at most so old: `needs_init` where nothing is known of the drive, `busy` while a
+    /// command changes settings, `timeout` if it is older or none was read since.
+    constexpr errc check_feedback(duration oldest) const {
+        if (!machine_.known().is_known()) return errc::needs_init;
+        // The command under way may change what values mean.
+        const auto& slot = machine_.slot();
+        if (slot.is_at(command_kind::setting) || slot.is_at(command_kind::take_over)) return errc::busy;
+        return machine_.known().feedback().is_young(oldest, line_->now()) ? errc::ok : errc::timeout;
+    }
+    /// Returns what the last routine fetched.
+    constexpr slice<const std::uint16_t> words() const { return machine_.slot().run().words(); }
+    /// From the start of the last motion to the image; zero for an image that is older. It goes back from two minutes
+    /// to one: times are not compared over a wrap of the clock.
+    constexpr duration since_start() const { return machine_.known().since_start(); }
+    /// True while a move begins: the one before has no arrival any more.
+    constexpr bool is_move_beginning() const { return machine_.slot().is_at(command_kind::move); }
+    /// A move that seems to be under way has been cut by a fault: its stop may be under way.
+    constexpr bool is_ended_by_fault(arrival_state how) const {
+        return how == arrival_state::under_way && cause() == stop_cause::fault;
+    }
+    /// The settings are those of the drive as it is now: no request without a response since the last check.
+    constexpr bool is_verified() const { return machine_.known().is_verified(line_->epoch(address())); }
+    constexpr const prepared_command& current() const { return machine_.slot().command(); }
+    constexpr bool is_faulted() const { return machine_.known().is_faulted(); }
+    /// The blocks of the feedback that are read less often.
+    constexpr const slower_blocks<Model>& slower() const { return machine_.known().polling().slower(); }
 
   private:
     template <class Wanted>
@@ -129,7 +197,7 @@ template <class Model, class Line> class facade : public drive_view<Model, Line>
     }();
     // Another facade of the drive has stale settings from now on.
     constexpr void note_change() {
-        line_->note_change(this->address());
+        line_->note_change(address());
         machine_.note_own_change();
     }
     // The cached settings, if they are still valid now.
@@ -162,7 +230,7 @@ template <class Model, class Line> class facade : public drive_view<Model, Line>
         const std::uint8_t mine = machine_.slot().number();
         auto guard = line_->new_stall_detector();
         while (!is_idle()) {
-            machine_.note_command(line_->now());
+            machine_.supervisors().note_command(line_->now());
             const duration idle = step();
             if (guard.has_failed(line_->now())) {
                 give_up(errc::clock_stopped);
@@ -178,6 +246,9 @@ template <class Model, class Line> class facade : public drive_view<Model, Line>
     }
 
     static constexpr std::size_t longest_write = 9 + 2 * steps::max_arguments; // bytes
+
+    Line* line_;
+    machine_type machine_;
 };
 
 } // namespace servobus

@@ -172,7 +172,7 @@ TEST_CASE(
         REQUIRE(client{on, servo_node}.store<c630s::response_delay>(350));
         all.run_for(milliseconds(3000));
         REQUIRE(all.run(servo, c630s::init{}));
-        CHECK(servo.machine().limits().response.us <= beside_a_servo.longest_response().us);
+        CHECK(servo.machine().terms().limits().response.us <= beside_a_servo.longest_response().us);
         wire.set_connected(0, false);
         REQUIRE(servo.begin(c630s::init{}) == errc::ok);
         all.run_for(milliseconds(30 + 40 * offset));

@@ -337,10 +337,10 @@ TEST_CASE("the epoch of positions changes with a take-over that reads no image")
     static constexpr step reads_elsewhere[] = {steps::fetch<setting>()};
     rig r{{}}; // nothing is polled
     REQUIRE(r.drive.run(look));
-    const std::uint16_t was = r.drive.machine().known().epoch_of_positions();
+    const std::uint16_t was = r.drive.machine().known().feedback().epoch_of_positions();
     REQUIRE(r.drive.run(bare::command{.steps = reads_elsewhere, .then = command_kind::take_over}));
     REQUIRE(r.drive.run(look));
-    CHECK(r.drive.machine().known().epoch_of_positions() != was);
+    CHECK(r.drive.machine().known().feedback().epoch_of_positions() != was);
 }
 
 } // namespace noted_blocks_tests

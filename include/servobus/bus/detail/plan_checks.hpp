@@ -13,7 +13,7 @@
 namespace servobus::detail {
 
 /// The longest time that may pass between two requests to a node, and what its keep-alive allows.
-struct verdict {
+struct longest_gap {
     duration keep_alive{};
     duration longest{};
 
@@ -32,13 +32,13 @@ template <class Plan> class request_gaps {
     constexpr duration of(const controlled_node& d) const { return bound{poll_period(d)} + wait_of_a_drive_; }
     // The time while other nodes respond too late; if that is allowed, the time while all respond. The latter must be
     // allowed even if the clocks of node and program differ.
-    constexpr verdict judge(const poll& p) const {
+    constexpr longest_gap judge(const poll& p) const {
         if (p.keep_alive == duration{}) return {};
-        const verdict late{p.keep_alive, of(p)};
-        return late.is_allowed() ? verdict{at_least(p.keep_alive), p.period + times_.shortest(p)} : late;
+        const longest_gap late{p.keep_alive, of(p)};
+        return late.is_allowed() ? longest_gap{at_least(p.keep_alive), p.period + times_.shortest(p)} : late;
     }
-    constexpr verdict judge(const controlled_node& d) const {
-        return is_kept_alive(d) ? verdict{d.keep_alive, of(d)} : verdict{};
+    constexpr longest_gap judge(const controlled_node& d) const {
+        return is_kept_alive(d) ? longest_gap{d.keep_alive, of(d)} : longest_gap{};
     }
     constexpr bool are_allowed() const {
         for (std::size_t i = 0; i < Plan::size; ++i) {
@@ -121,7 +121,7 @@ template <class Plan> consteval void check_plan(const Plan& of) {
         const duration gap = gaps.of(entry);
         if (own > longest_period || gap > longest_period)
             the_times_of_this_plan_are_longer_than_its_clock_can_tell(address, longer_of(own, gap).us);
-        const verdict v = gaps.judge(entry);
+        const longest_gap v = gaps.judge(entry);
         if (!v.is_allowed())
             a_drive_of_this_plan_could_miss_its_keep_alive(
                 address, v.keep_alive.us, v.longest.us, most_response_and_quarantine(of), gaps.needed(entry));

@@ -20,6 +20,13 @@ constexpr bool is_motion(command_kind k) {
     return k == command_kind::endless_motion || k == command_kind::move;
 }
 
+/// A stop that a supervisor begins.
+struct due_stop {
+    stop_priority how = stop_priority::no_stop;
+    std::uint8_t urgent = 0; ///< frames that go before all other traffic
+    bool is_of_command_timeout = false;
+};
+
 template <class Model> class command_slot {
   public:
     using prepared_command = typename Model::prepared_command;
@@ -104,6 +111,17 @@ template <class Model> class command_slot {
         if (kind_ == command_kind::endless_motion) supervisors_.watch(now);
         if (kind_ == command_kind::move) supervisors_.end_watch();
     }
+    /// The stop that a supervisor begins now; `no_stop` if none. `runs_without_port`: the motor may, and has no watchdog.
+    [[gnu::always_inline]] constexpr due_stop due_stop_at(instant now, bool runs_without_port) {
+        if (is_idle() && (supervisors_.is_stop_due(now) || runs_without_port)) {
+            stop_tries_ = 0;
+            const bool is_open = supervisors_.is_stop_open();
+            return {is_open ? supervisors_.open_stop() : stop_priority::halt,
+                    supervisors_.is_stop_due(now) ? supervisors_.urgent_left() : steps::urgent_frames, false};
+        }
+        if (!has_run_out(now)) return {};
+        return {stop_priority::halt, give_up_to_supervisor(), true};
+    }
     /// The application has stopped commanding a motion that does not end by itself.
     constexpr bool has_run_out(instant now) const {
         if (!supervisors_.has_run_out(now) || is_stopping()) return false;
@@ -122,9 +140,11 @@ template <class Model> class command_slot {
         }
         return supervisors_.is_stop_open() ? supervisors_.urgent_left() : steps::urgent_frames;
     }
-    /// A take-over replaces a supervisor's stop: if it fails, the stop is repeated. `was_sent`: its step under way.
-    constexpr void keep_stop_open(bool was_sent, instant now) {
+    /// A take-over in place of a supervisor's stop: it is as urgent, and if it fails the stop is repeated. `was_sent`: the
+    /// step under way. Returns how many frames are urgent.
+    constexpr std::uint8_t keep_stop_open(bool was_sent, instant now) {
         supervisors_.open_stop(command_.stop, run_.urgent_left(), run_.has_written() || was_sent, now);
+        return run_.urgent_left();
     }
 
     // --- What the application is told
@@ -132,11 +152,16 @@ template <class Model> class command_slot {
     constexpr const routine_status& report() const { return report_; }
     constexpr void set_report(const routine_status& r) { report_ = r; }
     constexpr std::uint8_t number() const { return number_; }
-    constexpr void count_command() { ++number_; }
+    constexpr void count_command() {
+        ++number_;
+        stop_tries_ = 0;
+    }
 
-    /// A stop that did not read back is sent again: false after the last try.
-    constexpr bool may_try_again() { return ++stop_tries_ < tries_of_a_stop; }
-    constexpr void begin_tries() { stop_tries_ = 0; }
+    /// A stop that does not read back was acknowledged by a late response to another write: once more, a few times.
+    constexpr bool is_to_be_tried_again() {
+        return is_stopping() && owner_ != owner::follow_up &&
+               run_.result().error() == errc::unexpected_value && ++stop_tries_ < tries_of_a_stop;
+    }
 
   private:
     constexpr void note_stop(const routine_status& r, instant now) {

@@ -9,6 +9,7 @@
 #pragma once
 
 #include <servobus/control/states.hpp>
+#include <servobus/core/epoch.hpp>
 
 namespace servobus::detail {
 
@@ -31,7 +32,12 @@ class drive_frame {
         return flight_ == flight::step && x.was_sent();
     }
 
-    constexpr void begin(flight what) { flight_ = what; }
+    constexpr void begin(flight what, epoch at) {
+        flight_ = what;
+        misses_ = at.misses;
+    }
+    /// Of the node, when the last frame was loaded.
+    constexpr std::uint16_t misses_when_loaded() const { return misses_; }
     constexpr void drop() { flight_ = flight::none; }
     /// Lets the frame on the wire end unused, since another routine has begun.
     constexpr void drain(bool is_trigger) { flight_ = is_trigger ? flight::drained_write : flight::drained; }
@@ -44,6 +50,7 @@ class drive_frame {
 
   private:
     flight flight_ = flight::none;
+    std::uint16_t misses_ = 0;
 };
 
 } // namespace servobus::detail

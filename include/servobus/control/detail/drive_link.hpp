@@ -47,7 +47,12 @@ template <bool HasWatchdog> class drive_link {
     }
     /// The last change was this facade's own.
     constexpr void skip_change() { ++events_.changes; }
-    constexpr void expire() { is_expired_ = true; }
+    /// True if the time of the watchdog has passed just now.
+    constexpr bool expires(instant now) {
+        if (!is_overdue(now)) return false;
+        is_expired_ = true;
+        return true;
+    }
     /// A request that began to leave at `began` got a response.
     constexpr void note_response(instant began, instant now) {
         has_missed_ = false;
@@ -66,12 +71,11 @@ template <bool HasWatchdog> class drive_link {
     }
     /// No request without a response since the last check.
     constexpr bool is_verified(epoch at) const { return !is_check_required_ && misses_ == at.misses; }
-    /// Notes in which epoch a frame is loaded.
-    constexpr void ask(epoch at) { asked_ = at.misses; }
     constexpr void end_check() { is_check_required_ = false; }
-    /// The witness was unchanged, or a command has set the drive up: the settings are verified.
-    constexpr void verify(instant now) {
-        misses_ = asked_;
+    /// The witness was unchanged, or a command has set the drive up: the settings are those of the drive as it was when
+    /// the last frame was loaded.
+    constexpr void verify(std::uint16_t misses_when_loaded, instant now) {
+        misses_ = misses_when_loaded;
         checked_ = now;
         is_check_required_ = false;
     }
@@ -81,11 +85,10 @@ template <bool HasWatchdog> class drive_link {
     bool is_check_required_ = false;
     bool has_missed_ = false;
     line_events events_{};
-    duration watchdog_; // it goes on when the settings are invalid
-    instant heard_{};   // when the last request that got a response began to leave
-    instant checked_{};
     std::uint16_t misses_ = 0; // of the epoch in which the settings were verified
-    std::uint16_t asked_ = 0;  // and of that in which the frame in flight was loaded
+    duration watchdog_;        // it goes on when the settings are invalid
+    instant heard_{};          // when the last request that got a response began to leave
+    instant checked_{};
 };
 
 } // namespace servobus::detail

@@ -22,16 +22,15 @@ class last_motion {
         moved_at_ = now;
         is_image_of_motion_ = false;
     }
+    /// An image has come, of the motion or of after it.
+    constexpr void note_image(instant now) {
+        is_image_of_motion_ = true;
+        if (since(moved_at_, now) > long_ago + long_ago) moved_at_ = instant{now.us - long_ago.us};
+    }
     /// From the start of the last motion to the image that was `taken` then; zero for an image that is older. It goes
     /// back from two minutes to one: times are not compared over a wrap of the clock.
     constexpr duration since_start(instant taken) const {
         return is_image_of_motion_ && !went_back(moved_at_, taken) ? since(moved_at_, taken) : duration{};
-    }
-
-  protected:
-    constexpr void note_image(instant now) {
-        is_image_of_motion_ = true;
-        if (since(moved_at_, now) > long_ago + long_ago) moved_at_ = instant{now.us - long_ago.us};
     }
 
   private:

@@ -38,11 +38,11 @@ constexpr flight next_frame(const knowledge<Model>& known, const command_slot<Mo
     const bool is_too_early = run.is_waiting() && polling.waited_too_little(now) && !is_poll_due();
     if (run.reads(image_block<Model>))
         return is_too_early && !polling.is_slower_due() ? flight::none : flight::refresh;
-    const flight last = known.last_frame();
+    const last_frame last = known.last_frame();
     // A command's write is the frame after the read on which it relies: nothing may happen between.
-    const bool relies_on_it =
-        (last == flight::step_read || last == flight::witness) && run.current().what == step::kind::write;
-    if (is_poll_due() && last != flight::refresh && !relies_on_it) return flight::refresh;
+    const bool relies_on_it = (last == last_frame::step_read || last == last_frame::witness) &&
+                              run.current().what == step::kind::write;
+    if (is_poll_due() && last != last_frame::feedback && !relies_on_it) return flight::refresh;
     if constexpr (polls::has_slower) {
         if (polling.is_slower_for(run))
             return polling.is_early_for(run, now) ? flight::none : flight::refresh;

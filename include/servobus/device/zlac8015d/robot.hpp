@@ -320,7 +320,7 @@ template <class Line> class robot : public basic_drive<Line, robot_model> {
     /// have left its arc by more than 0.75 mm. `set_pose` makes it continuous again.
     constexpr plane_pose pose() const {
         plane_pose p = this->model().pose();
-        const bool is_same = this->model().epoch() == this->machine().known().epoch_of_positions();
+        const bool is_same = this->model().epoch() == this->machine().known().feedback().epoch_of_positions();
         p.is_continuous = p.is_continuous && is_same && this->state() != drive_state::needs_init;
         return p;
     }

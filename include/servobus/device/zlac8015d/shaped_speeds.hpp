@@ -91,7 +91,7 @@ class shaped_speeds {
     template <class Drive> static bool pause(Drive& drive, instant begun) {
         auto guard = drive.line().new_stall_detector();
         while (since(begun, drive.line().now()) < first_step) {
-            drive.machine().note_command(drive.line().now());
+            drive.machine().supervisors().note_command(drive.line().now());
             const duration idle = drive.step();
             if (guard.has_failed(drive.line().now())) return false;
             drive.line().sleep(idle);

@@ -1,0 +1,55 @@
+// SPDX-FileCopyrightText: The servobus authors
+// SPDX-License-Identifier: BSL-1.0
+//
+// The terms on which a machine exchanges frames: how long a response may take, the gaps around a frame, how often a read
+// is repeated, and the priority of a request. A node states them, and a plan may change them.
+#pragma once
+
+#include <cstdint>
+
+#include <servobus/client/node.hpp>
+#include <servobus/core/response_limits.hpp>
+#include <servobus/core/time.hpp>
+
+namespace servobus::detail {
+
+class terms {
+  public:
+    template <class Node>
+    constexpr explicit terms(const Node& at)
+        : limits_{at.limits}, gaps_{at.gaps}, read_retries_{at.read_retries} {}
+
+    constexpr const response_limits& limits() const { return limits_; }
+    constexpr response_limits& limits() { return limits_; }
+    constexpr const bus_gaps& gaps() const { return gaps_; }
+    constexpr std::uint8_t read_retries() const { return read_retries_; }
+    /// Of all requests but stops.
+    constexpr servobus::priority priority() const { return priority_; }
+    /// How long a request without a response keeps the line.
+    constexpr duration lost_response() const { return limits_.response + gaps_.quarantine; }
+
+    /// The plan has another drive in its place.
+    constexpr void refuse() { is_refused_ = true; }
+    constexpr bool is_refused() const { return is_refused_; }
+    /// Takes over what a plan states.
+    constexpr void adopt(const response_limits& limits, const bus_gaps& gaps, duration longest_response) {
+        limits_ = limits;
+        gaps_ = gaps;
+        bound_response(longest_response);
+    }
+    /// Waits no longer for a response than a plan counts with, though the drive may say that it responds later.
+    constexpr void bound_response(duration longest) {
+        if (longest < limits_.response) limits_.response = longest;
+    }
+    /// Sends all requests, also the stops of a drive that is refused, with a plan's priority.
+    constexpr void follow_plan() { priority_ = servobus::priority::planned; }
+
+  private:
+    response_limits limits_;
+    bus_gaps gaps_;
+    std::uint8_t read_retries_;
+    servobus::priority priority_ = servobus::priority::ordinary;
+    bool is_refused_ = false;
+};
+
+} // namespace servobus::detail
