@@ -28,6 +28,19 @@ constexpr steps::recheck same_target{.look = &halt_steps[1], .words = {0}};
 constexpr bare::command take_over_witnessed{
     .steps = look_steps, .then = command_kind::take_over, .witness = same_target};
 
+constexpr step long_wait[] = {steps::until_bits<setting>(0xFFFF, 2, 10'000)};
+constexpr step long_question[] = {steps::confirm(10'000)};
+/// Its question is answered by the feedback.
+struct patient : bare::model {
+    static errc confirm(const bare::command&, const situation& seen, const bare::settings&) {
+        return seen.image[0] == 2 ? errc::ok : errc::busy;
+    }
+};
+struct patient_drive : facade<patient, rig::line_type> {
+    explicit patient_drive(rig::line_type& on)
+        : facade<patient, rig::line_type>{on, node<device>{1}, {}, no_command_timeout} {}
+};
+
 std::size_t reads_of(const rig& r, unsigned address) {
     std::size_t n = 0;
     for (const sent_frame& f : r.port.frames)
@@ -466,6 +479,67 @@ TEST_CASE("G29: a command ends although the drive responds to the witness and ne
     CHECK(r.drive.last().error() == errc::timeout);
     CHECK(reads_of(r, state.address) == 3);
     CHECK(reads_of(r, 0x0100) >= 1);
+}
+
+TEST_CASE(
+    "a step that waits for a state goes on while now and then reads are lost: too many in a row end it") {
+    for (const bool is_question : {false, true}) {
+        CAPTURE(is_question);
+        for (const bool loses_one_more : {false, true}) {
+            CAPTURE(loses_one_more);
+            rig r;
+            patient_drive drive{r.on};
+            const u16 awaited = is_question ? state.address : setting.address;
+            constexpr unsigned rounds = 5;
+            constexpr unsigned retries = node<device>{1}.read_retries;
+            unsigned lost = 0, seen = 0;
+            r.port.device = [&](tests::scripted_port& p, const sent_frame& f) {
+                const unsigned losses = retries + (loses_one_more && seen == 2 ? 1 : 0);
+                if (lost++ < losses) return;
+                lost = 0;
+                if (++seen == rounds) r.file.words[awaited] = 2;
+                r.file(p, f);
+            };
+            const errc ends =
+                drive.run(bare::command{.steps = is_question ? routine{long_question} : routine{long_wait}})
+                    .error();
+            CHECK(ends == (loses_one_more ? errc::timeout : errc::ok));
+            CHECK(seen == (loses_one_more ? 2 : rounds));
+        }
+    }
+}
+
+TEST_CASE("G36: an image that waits for the witness is never used if that got no response") {
+    rig r{milliseconds(20)};
+    r.file.words[0x0100] = 0;
+    REQUIRE(r.drive.run(take_over_witnessed));
+    r.loop(50);
+    bare::model::judges = [](std::uint16_t word) {
+        return word == 7 ? verdict::uncertain : verdict::as_expected;
+    };
+    const auto image = [&r] { return r.drive.machine().known().polling().image().words[0]; };
+    for (const bool is_lost : {false, true}) {
+        CAPTURE(is_lost);
+        bool is_asked = false;
+        r.file.words[0x0110] = 7;
+        r.port.device = [&](tests::scripted_port& p, const sent_frame& f) {
+            const unsigned address = f.data[2] * 256u + f.data[3];
+            const bool is_first = address == 0x0100 && !is_asked;
+            is_asked = is_asked || is_first;
+            if (is_first && is_lost) return;
+            r.file(p, f);
+            if (address == 0x0110) r.file.words[0x0110] = 9;
+        };
+        bool was_used = false;
+        for (const std::uint64_t end = r.port.time + 1'500'000; r.port.time < end;) {
+            r.turn();
+            was_used = was_used || image() == 7;
+        }
+        CHECK(is_asked);
+        CHECK(was_used == !is_lost);
+        CHECK(image() == 9);
+    }
+    bare::model::judges = [](std::uint16_t) { return verdict::as_expected; };
 }
 
 TEST_CASE("G28: an absent drive is asked once a second, however long it is absent") {
