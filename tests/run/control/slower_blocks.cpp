@@ -61,6 +61,47 @@ TEST_CASE("G36: the feedback is complete when each of its blocks was read, and n
           errc::timeout); // the status is young, the oldest block not
 }
 
+TEST_CASE("G36: the feedback is as old as its oldest block, whichever that is, and a position that was held "
+          "back is as old as its request") {
+    for (const bool is_enabled : {false, true}) {
+        CAPTURE(is_enabled);
+        rig r;
+        if (is_enabled) REQUIRE(r.servo.run(enable_in{control_mode::speed}));
+        r.requests.clear();
+        constexpr std::size_t blocks = c630s::model::blocks.size();
+        std::uint64_t asked[blocks]{}; // when the block's request had left
+        std::size_t seen = 0;
+        const auto look = [&] {
+            r.loop(1);
+            for (; seen < r.requests.size(); ++seen) {
+                const auto& f = r.requests[seen];
+                for (std::size_t b = 1; b < blocks; ++b) {
+                    const bool is_it = f[1] == 0x03 && load_word(f, 2) == c630s::model::blocks[b].address;
+                    if (is_it) asked[b] = r.wire.time_us();
+                }
+            }
+        };
+        for (unsigned ms = 0; ms < 500; ++ms) look();
+        unsigned is_oldest[blocks]{};
+        for (unsigned ms = 0; ms < 330; ++ms) { // each block twice
+            look();
+            std::size_t oldest = 1;
+            std::uint64_t last = asked[1];
+            for (std::size_t b = 2; b < blocks; ++b) {
+                if (asked[b] < asked[oldest]) oldest = b;
+                last = std::max(last, asked[b]);
+            }
+            ++is_oldest[oldest];
+            CAPTURE(oldest);
+            const auto age = static_cast<std::uint32_t>(r.wire.time_us() - asked[oldest]);
+            CHECK(r.servo.feedback(microseconds(age)).error() == errc::timeout); // the request took 1.4 ms
+            const bool has_come = r.wire.time_us() - last > 30'000;              // with the status after it
+            if (has_come) CHECK(r.servo.feedback(microseconds(age + 8000)));
+        }
+        for (std::size_t b = 1; b < blocks; ++b) CHECK(is_oldest[b] > 50);
+    }
+}
+
 TEST_CASE("G36: whichever frame of the feedback loses its response, it is read again in its turn, and the "
           "state stays") {
     rig r;
