@@ -311,11 +311,38 @@ TEST_CASE(
     CHECK_FALSE(is_suspected(m, wheels_at(9000, 3, 600), wheels_at(9082, 3, 600)));
     CHECK_FALSE(is_suspected(m, wheels_at(9000, 3, 0, 600), wheels_at(9000, 331, 0, 600)));
     CHECK_FALSE(is_suspected(m, wheels_at(3, 9000, 600), wheels_at(85, 9000, 600)));
+    CHECK_FALSE(is_suspected(m, wheels_at(-9000, 3, -600), wheels_at(-9082, 3, -600)));
+    CHECK_FALSE(is_suspected(m, wheels_at(-3, -9000, -600), wheels_at(-85, -9000, -600)));
+    CHECK_FALSE(is_suspected(m, wheels_at(-9000, -9000, -600, -2400), wheels_at(-9082, -9328, -600, -2400)));
     // By 0.5 r/min in a millisecond: 21 counts of the left wheel, and 37 of the right one.
     CHECK(is_suspected(m, wheels_at(21, 3, 0, 600), wheels_at(21, 331, 0, 600)));
     CHECK_FALSE(is_suspected(m, wheels_at(23, 3, 0, 600), wheels_at(23, 331, 0, 600)));
     CHECK(is_suspected(m, wheels_at(3, 37, 600), wheels_at(85, 37, 600)));
     CHECK_FALSE(is_suspected(m, wheels_at(3, 39, 600), wheels_at(85, 39, 600)));
+}
+
+TEST_CASE("G43: for 250 ms from the end of a gap a position from within it may be of a late response") {
+    for (const bool is_late : {false, true}) {
+        for (const std::uint32_t ms : {20u, 40u, 180u, 230u, 249u, 250u, 270u}) {
+            CAPTURE(ms);
+            zlac8015d::robot_model m;
+            m.set_base(base);
+            std::uint32_t now = 1000;
+            const auto note = [&m, &now](std::int32_t way, std::uint32_t after_ms, int speed) {
+                now += after_ms * 1000;
+                const words w = wheels_at(way, -way, speed, -speed);
+                m.note({.block = 0, .words = w.data(), .taken = instant{now}, .epoch = 1},
+                       enabled_at_1_r_per_min);
+            };
+            note(0, 0, 100); // 10 r/min are 14 counts in 20 ms
+            note(14, 20, 100);
+            note(68, 80, 100); // the gap
+            REQUIRE(m.pose().is_continuous);
+            note(is_late ? 55 : 75, ms, 0);
+            // One that is not late is from beyond the gap.
+            CHECK(m.pose().is_continuous == (!is_late || ms >= 250));
+        }
+    }
 }
 
 TEST_CASE("G43: wheels at rest near zero raise a suspicion only if a command may have moved them") {
