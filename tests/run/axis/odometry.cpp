@@ -73,6 +73,21 @@ TEST_CASE("a step that is too long leaves the pose where it was, and the next on
     CHECK(o.pose().y_mm() == 2_m);
 }
 
+TEST_CASE("a pose that is set has the time of the last update: that of the next step counts from there") {
+    for (const bool is_old : {false, true}) {
+        CAPTURE(is_old);
+        odometry o = started();
+        REQUIRE(o.update(4096, 0u - 4096, {90'000}));
+        o.set(plane_pose::at(1_m, 2_m, 0_urad, {is_old ? 30'000u : 120'000u}));
+        CHECK(o.pose().time == instant{90'000});
+        odometry later = o;
+        CHECK(o.update(8192, 0u - 8192, {190'000})); // 100 ms
+        CHECK(o.pose().x_mm() == 1163_mm);
+        CHECK_FALSE(later.update(8192, 0u - 8192, {190'001}));
+        CHECK(later.pose().x_mm() == 1_m);
+    }
+}
+
 TEST_CASE("start keeps the pose, restart says that it is not continuous") {
     odometry o{base};
     CHECK(o.update(77, 99, {1})); // without a start: the origin

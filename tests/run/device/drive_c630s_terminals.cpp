@@ -115,6 +115,26 @@ TEST_CASE("6.4.1: each function is assigned to each input, or refused because an
     }
 }
 
+TEST_CASE("6.4.1: an input does not get the function of any other input, from DI1 to VDI16") {
+    rig r;
+    REQUIRE(r.make_ready());
+    for (unsigned n = 1; n <= 24; ++n) {
+        CAPTURE(n);
+        const u16 at = n <= 8 ? function_of_di(n) : function_of_vdi(n - 8);
+        const auto set_by_hand = [&](std::int64_t f) {
+            const std::uint8_t word[] = {0, static_cast<std::uint8_t>(f)};
+            REQUIRE(r.model.write(at, words_view{bytes{word}}) == 0);
+        };
+        const std::int64_t was = r.model.peek(at);
+        set_by_hand(static_cast<std::int64_t>(in::zero_clamp));
+        const bool is_other = n != 2;
+        const routine_status got = r.drive.run(set<di2_function>{in::zero_clamp});
+        CHECK(got.error() == (is_other ? errc::already_assigned : errc::ok));
+        CHECK(r.drive.conflicting_terminal() == (is_other ? at : 0));
+        set_by_hand(was);
+    }
+}
+
 TEST_CASE("a function that is set until power-off is also compared with those of wired and virtual inputs") {
     rig r;
     REQUIRE(r.make_ready());
