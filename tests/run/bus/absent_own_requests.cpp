@@ -128,6 +128,34 @@ TEST_CASE("G28: nodes of own requests that are gone are asked once in each retry
 }
 
 TEST_CASE(
+    "G25: a request beside the bus may have the gaps of its plan and shorter ones, and no longer ones") {
+    struct scene {
+        bus_gaps wanted;
+        bool is_sent;
+    };
+    static constexpr node<sensor> asked = at(9);
+    constexpr bus_gaps own = asked.gaps;
+    for (const scene& s : {scene{own, true},
+                           {{.gap = own.gap, .quarantine = {}}, true},
+                           {{.gap = own.gap, .quarantine = own.quarantine + microseconds(1)}, false},
+                           {{.gap = own.gap + microseconds(1), .quarantine = own.quarantine}, false}}) {
+        CAPTURE(s.wanted.gap.us);
+        CAPTURE(s.wanted.quarantine.us);
+        rig<1000> r;
+        r.responds[9] = true;
+        std::uint8_t response[7]{};
+        const auto request = modbus::read_frame(9, yako::error_code.address, 1);
+        modbus::exchange x{request, response, r.on.timing(), asked.limits};
+        for (tests::loop_bound left{"a request"}; !x.done(); left.use()) {
+            const duration idle = shorter_of(r.on.step(x, s.wanted), r.all.step());
+            r.port.wait(longer_of(idle, microseconds(50)));
+        }
+        CHECK(x.status().error() == (s.is_sent ? errc::ok : errc::not_in_plan));
+        CHECK(r.asked(9) == (s.is_sent ? 1u : 0u));
+    }
+}
+
+TEST_CASE(
     "G28: a node of own requests is gone after three misses in a row, and after one response it is not") {
     rig<2000> r;
     r.responds[9] = true;
