@@ -126,6 +126,83 @@ TEST_CASE("a bus refuses a drive that has another address than the one in its pl
     CHECK(wheels.begin(disable{}) == errc::ok); // a stop
 }
 
+namespace {
+constexpr poll_plan of_another_lift{
+    modbus::timing_at(115200),
+    controlled(prompt(node<yako::closed_loop::device>{3}),
+               {.feedback = milliseconds(30), .command_timeout = no_command_timeout})};
+
+constexpr poll_plan of_both_rarely{
+    modbus::timing_at(115200),
+    controlled(wheels_node, {.feedback = milliseconds(2000), .command_timeout = no_command_timeout}),
+    controlled(tests::lift_node, {.feedback = milliseconds(2000), .command_timeout = no_command_timeout})};
+
+/// A read that is not the bus's, as urgent as those of its plan.
+struct own_read {
+    response_limits limits{.response = milliseconds(50)};
+    modbus::frame<8> request = modbus::read_frame(1, zlac8015d::bus_voltage.address, 1);
+    std::uint8_t response[7]{};
+    modbus::exchange x;
+
+    explicit own_read(const line_type& on) : x{request, response, on.timing(), limits, priority::planned} {}
+    own_read(const own_read&) = delete;
+};
+} // namespace
+
+TEST_CASE("a drive that a bus refuses for its address reads its stop back beside the bus") {
+    wheels_and_lift m;
+    line_type on{m.wire, modbus::timing_at(115200)};
+    yako::closed_loop::drive lift{on, tests::lift_node};
+    REQUIRE(lift.run(init{}));
+    REQUIRE(lift.run(enable{}));
+    auto all = make_bus<of_another_lift>(on, lift);
+    loop(all, m.wire, 300);
+    REQUIRE(m.lift_model.enabled());
+    CHECK(all.run(lift, disable{}));
+    CHECK_FALSE(m.lift_model.enabled());
+}
+
+TEST_CASE(
+    "G28: the drive that has waited longest goes first, also where the tickets begin again between both") {
+    for (const bool is_lift_first : {false, true}) {
+        CAPTURE(is_lift_first);
+        wheels_and_lift m;
+        line_type on{m.wire, modbus::timing_at(115200)};
+        wheels_type wheels{on, wheels_node, unsupervised};
+        yako::closed_loop::drive lift{on, tests::lift_node};
+        auto all = make_bus<of_both_rarely>(on, wheels, lift);
+        REQUIRE(all.run(wheels, init{}));
+        REQUIRE(all.run(lift, init{}));
+        loop(all, m.wire, 100);
+        for (std::uint16_t ticket = 0; ticket != 0xFFFC;) {
+            own_read given_up{on};
+            (void)on.step(given_up.x, bus_gaps{});
+            on.abandon(given_up.x);
+            ticket = given_up.x.ticket();
+        }
+        simulated::request_log log;
+        m.wire.set_hook(&simulated::request_log::note, &log);
+        m.wheels_station.set_response_delay(milliseconds(15));
+        own_read before{on};
+        for (tests::loop_bound left{"a request"}; log.frames.empty(); left.use())
+            m.wire.wait(longer_of(on.step(before.x, bus_gaps{}), microseconds(1)));
+        const auto ask = [&](bool is_lift) {
+            REQUIRE((is_lift ? lift.begin(read_feedback{}) : wheels.begin(read_feedback{})) == errc::ok);
+            (void)all.step();
+            return is_lift ? lift.machine().ticket() : wheels.machine().ticket();
+        };
+        REQUIRE(ask(is_lift_first) == 0xFFFE);
+        REQUIRE(ask(!is_lift_first) == 1);
+        for (tests::loop_bound left{"two requests"}; log.frames.size() < 3; left.use()) {
+            const duration idle = shorter_of(on.step(before.x, bus_gaps{}), all.step());
+            m.wire.wait(longer_of(idle, microseconds(1)));
+        }
+        CHECK(before.x.status());
+        CHECK(log.frames[1][0] == (is_lift_first ? 2 : 1));
+        CHECK(log.frames[2][0] == (is_lift_first ? 1 : 2));
+    }
+}
+
 TEST_CASE("G28: a bus says of each node whether it is absent, also of a drive that it controls") {
     wheels_and_lift m;
     tests::wheels_and_lift_program p{m.wire};
