@@ -129,7 +129,7 @@ option "line, bus, facade: the same commands, the reads between them" bus_facade
 # shellcheck disable=SC2086
 arm-none-eabi-g++ -std=c++20 -Os -mcpu=cortex-m0plus -mthumb -ffreestanding -fno-exceptions -fno-rtti $strict \
     -Wno-psabi -Iinclude -c "$here/objects.cpp" -o "$work/objects.o"
-object facade_of_a_zlac8015d 404
+object facade_of_a_zlac8015d 400
 object facade_of_a_closed_loop_yako 470
 object facade_of_an_open_loop_yako 470
 object facade_of_a_c630s 480

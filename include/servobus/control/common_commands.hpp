@@ -43,9 +43,9 @@ struct wait_standstill {
     duration limit = milliseconds(60'000);
 };
 
-/// Waits until the last move has ended at its target. Errors: `stopped_short` if the motor is at rest elsewhere
-/// (`arrival()` of the drive says where and why); `not_reached` after `limit`; `faulted`; `wrong_state` if no move with
-/// a known target was commanded since `init`.
+/// Waits until the last move has ended at its target. Errors: `stopped_short` if the motor is at rest elsewhere (the
+/// drive's `arrival()` has where and why); `not_reached` after `limit`; `faulted`. `wrong_state`: no move with a known
+/// target was commanded since `init`.
 struct wait_reached {
     duration limit = milliseconds(60'000);
 };

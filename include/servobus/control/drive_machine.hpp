@@ -33,7 +33,7 @@
 namespace servobus {
 
 /// The machine of a drive that `Model` describes (device/README.md). `Exchange` is its line's. A `Line` gives the epoch
-/// of a node, the node that was changed last, and the timing, gives an exchange up (`abandon`) and keeps itself free
+/// of a node, the node that was changed last, and the timing. It gives an exchange up (`abandon`) and keeps itself free
 /// (`announce_stop`).
 template <class Model, class Exchange> class drive_machine {
   public:
@@ -239,7 +239,7 @@ template <class Model, class Exchange> class drive_machine {
         }
         replace_by(next, by, urgent, now);
     }
-    // Stops all of the drive, for a fault of one motor too. `may_read`: a command that reads the feedback has succeeded.
+    // Stops all of the drive, for a fault of one motor too. `may_read`: a command that reads the feedback succeeds.
     constexpr void stop_because(errc why, bool may_read, instant now) {
         constexpr stop_priority how = Model::stops.at_fault;
         const bool is_read = may_read && slot_.is_at(command_kind::refresh);
@@ -267,8 +267,8 @@ template <class Model, class Exchange> class drive_machine {
     template <class Line> [[gnu::always_inline]] constexpr bool check_link(instant now, const Line& on) {
         return !known_.link().holds(now, on.epoch(address())) && fail_link(now, on);
     }
-    // A lost port makes the settings invalid, and so do another client that writes one of them, and the drive's
-    // watchdog when its time has passed. A request without a response makes the witness due.
+    // The settings become invalid by a lost port, by another client that writes one of them, and once the watchdog's
+    // time has passed. A request without a response makes the witness due.
     template <class Line> [[gnu::noinline]] constexpr bool fail_link(instant now, const Line& on) {
         auto& link = known_.link();
         const errc why = link.take_events(on.epoch(address()), on.changed_node(), address());

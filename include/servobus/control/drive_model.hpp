@@ -45,7 +45,7 @@ struct stop_rules {
     must_be_stated<bool> disable_replaces_quick_stop;
 };
 
-/// What is known of the drive when a step of a command asks.
+/// The answers to a step that asks the model.
 struct situation {
     const std::uint16_t* image;       ///< the process image
     slice<const std::uint16_t> words; ///< what the routine has read (`steps::fetch`)

@@ -1,10 +1,10 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// The facades of all drives derive from this one. A facade keeps the drive's feedback as a process image, runs one
-// command at a time, checks that the drive has not restarted, and stops it where the application or the line
-// fails: its machine decides (control/drive_machine.hpp), and the facade moves the machine's frames over a line. The
-// `drive.hpp` of each device derives from it and describes the drive by a model.
+// The facades of all drives derive from this one. A facade keeps the drive's feedback as a process image and runs one
+// command at a time. It checks that the drive has not restarted, and stops it where the application or the line fails.
+// Its machine decides (control/drive_machine.hpp); the facade moves the machine's frames over a line. The `drive.hpp`
+// of each device derives from it and describes the drive by a model.
 //
 //     const errc refused = wheels.begin(zlac8015d::velocity{30 * r_per_min, 30 * r_per_min});
 //     if (refused != errc::ok) return 1;
@@ -50,7 +50,7 @@ template <class Model, class Line> class facade {
 
     /// True if no command is under way, nor a stop of a supervisor.
     constexpr bool is_idle() const { return machine_.slot().is_idle(); }
-    /// How the application's last command ended; meaningful when idle. A copy, since the next command has another.
+    /// The end of the application's last command; meaningful when idle. A copy, since the next command has another.
     constexpr routine_status last() const { return machine_.slot().report(); }
     /// `faulted` if the last feedback shows a fault.
     constexpr drive_state state() const { return machine_.known().state(); }
@@ -58,8 +58,9 @@ template <class Model, class Line> class facade {
     constexpr settings cached() const { return machine_.known().cached(); }
     /// Why the drive stopped following its last motion command; `unknown` while it follows.
     constexpr stop_cause cause() const { return machine_.known().motion().cause(); }
-    /// The drive does not respond. One with a watchdog has not for its time; any other has not to three refreshes in a
-    /// row, and is then read once a second, on a bus once in the retry period of its plan.
+    /// The drive does not respond. A drive with a watchdog is absent after the watchdog's time without a response. Any
+    /// other is absent after three refreshes in a row without one. It is then read once a second, on a bus once in the
+    /// plan's retry period.
     constexpr bool is_absent() const { return machine_.known().is_absent(); }
 
     constexpr std::uint8_t address() const { return machine_.address(); }
@@ -87,12 +88,12 @@ template <class Model, class Line> class facade {
         return wanted.run_by(*this, [this](const auto& part) { return this->run(part); });
     }
 
-    /// Starts a command; `step` moves it on. A stop replaces a command of lower priority and is sent right
-    /// after the frame in flight. Errors: the command's own; `busy` if another command is under way;
-    /// `needs_init`; `faulted`; `bad_argument` for a node address that the device cannot have, a feedback period
-    /// that is shorter than its frame and response, a drive that its bus refuses, a command that only the command
-    /// timeout ends (`needs_command_timeout`) where there is none, or a plan with neither steps nor a refusal. Nothing
-    /// is sent then.
+    /// Starts a command; `step` moves it on. A stop replaces a command of lower priority and is sent right after the
+    /// frame in flight. Nothing is sent if it is refused. Errors: the command's own; `busy` if another command is under
+    /// way; `needs_init`; `faulted`; `bad_argument`. The last is for a node address that the device cannot have, and
+    /// for a feedback period shorter than its frames. It is also for a drive that its bus refuses, and for a plan with
+    /// neither steps nor a refusal. A command that only the command timeout ends (`needs_command_timeout`) gets it
+    /// where there is none.
     template <class Wanted> [[nodiscard]] constexpr errc begin(const Wanted& wanted) {
         prepared_command next = planned(wanted);
         const errc refusal = accept(next);
@@ -123,9 +124,9 @@ template <class Model, class Line> class facade {
     }
 
     /// After `limit` without a motion command or a blocking call a motion without an end is stopped. A speed, torque or
-    /// jog that awaits its response counts until it ends: a program that hangs after `begin` is stopped at the latest
-    /// `limit` and `longest_setpoint()` later. A stop that is not confirmed is repeated as often, unless `repeat_stops`
-    /// has set another period.
+    /// jog that awaits its response counts until it ends. So a motor whose program hangs after `begin` is stopped at
+    /// the latest `limit` and `longest_setpoint()` later. A stop that is not confirmed is repeated as often, unless
+    /// `repeat_stops` has set another period.
     constexpr void set_command_timeout(command_timeout limit) {
         machine_.supervisors().set_limit(limit.limit(), line_->now());
     }
@@ -133,14 +134,15 @@ template <class Model, class Line> class facade {
     /// succeeds replaces it. 0: it does not. The default is the command timeout.
     constexpr void repeat_stops(duration every) { machine_.supervisors().repeat_stops(every); }
 
-    /// How long a speed or torque takes at most that gets no response and is read back, each frame at its bound.
+    /// The longest time of a speed or torque that gets no response and is read back. Each frame takes as long as its
+    /// bound.
     constexpr duration longest_setpoint() const {
         const response_limits& limits = machine_.terms().limits();
         const duration lost = line_->bound(longest_write, 8, limits, machine_.terms().gaps());
         return lost + line_->bound(8, 5 + 2 * steps::longest, limits, machine_.terms().gaps()) * 2;
     }
-    /// True if one lost response takes longer than the command timeout. The drive is not stopped for that (G40), but a
-    /// program that waits for the end of each command may command less often than its command timeout asks.
+    /// True if one lost response takes longer than the command timeout. The drive is not stopped for that (G40). But a
+    /// program that waits for each command's end may command less often than its command timeout asks.
     constexpr bool is_command_timeout_short() const {
         const modbus::rtu_timing& timing = line_->timing();
         const duration frames = timing.wire_time(longest_write + 2 * (8 + 5 + 2 * steps::longest));

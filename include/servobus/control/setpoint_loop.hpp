@@ -1,9 +1,9 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// The loop of a program around one drive: takes the drive over, again after each loss, begins the latest setpoint every
-// period, and reports each end once. It resets faults and energises only after a consent that the program gives each
-// time. Programs that step a facade include it.
+// The loop of a program around one drive. It takes the drive over, again after each loss, begins the latest setpoint
+// every period, and reports each end once. It resets faults and energises only after a consent that the program gives
+// each time. Programs that step a facade include it.
 //
 //     setpoint_loop loop{wheels, take_over{}, enable{}, setpoints<zlac8015d::velocity>{}};
 //     loop.enable();                              // a consent: the operator has pressed the button
@@ -37,7 +37,7 @@ template <std::default_initializable Command> struct setpoints {
         milliseconds(200); ///< a setpoint that is older is not begun: the program gives them no more
 };
 
-/// Of a drive that is commanded by `begin` only, such as a lift by its moves.
+/// For a drive that is commanded by `begin` only, such as a lift by its moves.
 struct no_setpoints {
     struct command {};
     duration every{};
@@ -48,15 +48,15 @@ struct no_setpoints {
 ///
 ///     setpoint_loop loop{wheels, take_over{zlac8015d::resolution{10}}, enable{}, setpoints<zlac8015d::velocity>{}};
 ///
-/// **Motion never begins by itself.** It is allowed from an `enable()` of the program on, once the drive is enabled by
-/// it, until a stop through the loop, a fault, a wired stop or limit switch, a setpoint that was not carried out, or a
+/// **Motion never begins by itself.** The program's `enable()` allows it once the drive is enabled. It ends with a stop
+/// through the loop, a fault, a wired stop or limit switch, or a setpoint that was not carried out. It also ends with a
 /// loss: a restart, a lost port, an outcome that is not known. After each of them another `enable()` must follow. (A
-/// YAKO's wired stop shows by a setpoint that is not carried out only: one that ends before the next setpoint is not
-/// seen.) A setpoint that was given before `enable()` is never begun. A setpoint that has become old is not begun
-/// again, so that the drive's command timeout stops it; the next one that the program gives moves the drive again. Like
+/// YAKO's wired stop shows only by a setpoint that is not carried out. A wired stop that ends before the next setpoint
+/// is not seen.) A setpoint that was given before `enable()` is never begun. A setpoint that has become old is not
+/// begun again, so that the command timeout stops the drive. The next setpoint of the program moves it again. Like
 /// every facade it is not a safety function.
 ///
-/// The list of the take-over runs again after each loss and, until it succeeds, once in `retry`: put no `save{}` in it,
+/// The list of the take-over runs again after each loss, and once in `retry` until it succeeds. Put no `save{}` in it,
 /// which would wear the drive's EEPROM. Each attempt without a response doubles that time, up to 10 s.
 template <motor_drive Drive, class TakeOver, class Enable = servobus::enable, class Setpoints = no_setpoints>
 class setpoint_loop {

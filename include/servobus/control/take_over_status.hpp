@@ -39,7 +39,7 @@ constexpr const char* text(take_over_part p) {
     return "unknown";
 }
 
-/// How a take-over ended.
+/// The end of a take-over.
 class [[nodiscard]] take_over_status {
   public:
     constexpr take_over_status(take_over_part part, std::uint8_t setting, const routine_status& how)
@@ -52,7 +52,7 @@ class [[nodiscard]] take_over_status {
     constexpr unsigned setting() const { return setting_; }
     constexpr errc error() const { return how_.error(); }
     constexpr servobus::outcome outcome() const { return how_.outcome(); }
-    /// How the command of that part ended, with its step and register.
+    /// The end of that part's command, with its step and register.
     constexpr routine_status command() const { return how_; }
 
   private:

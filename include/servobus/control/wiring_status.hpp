@@ -15,7 +15,7 @@
 
 namespace servobus {
 
-/// How a wiring ended. `unknown`: some terminals have their functions, and others perhaps not.
+/// The end of a wiring. `unknown`: some terminals have their functions, and others perhaps not.
 class [[nodiscard]] wiring_status {
   public:
     constexpr wiring_status() = default;

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// How long what was learned of a node holds: until a request to it gets no valid response, since it may have
-// restarted then, or the port is lost. A line counts both; what learns something of a node includes this.
+// What was learned of a node holds until a request to it gets no valid response, since it may have restarted then, or
+// until the port is lost. A line counts both; what learns something of a node includes this.
 //
 //     constexpr verified<word_order> learned{word_order::low_first, epoch{.misses = 3}};
 //     static_assert(learned.holds(epoch{.misses = 3}) && !learned.holds(epoch{.misses = 4}));
@@ -15,10 +15,10 @@
 
 namespace servobus {
 
-/// What has happened on a line, compared in one instruction. Each counter wraps.
+/// The events of a line, compared in one instruction. Each counter wraps.
 struct alignas(2) line_events {
     std::uint8_t losses = 0;  ///< of the port; each counts as a miss too
-    std::uint8_t changes = 0; ///< writes, by other clients, of settings that a facade caches, of whichever node
+    std::uint8_t changes = 0; ///< of settings that a facade caches, by another client, of whichever node
 
     friend constexpr bool operator==(line_events a, line_events b) {
         return std::bit_cast<std::uint16_t>(a) == std::bit_cast<std::uint16_t>(b);

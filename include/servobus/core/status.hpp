@@ -142,8 +142,8 @@ constexpr const char* text(outcome o) {
     return "unknown";
 }
 
-/// How a call ended: the error, the exception number of the response, and whether anything was sent. Its four
-/// bytes fill a word, so that a small core returns it in one register.
+/// The end of a call: the error, the exception number of the response, and whether anything was sent. Its four bytes
+/// fill a word, so that a small core returns it in one register.
 class [[nodiscard]] alignas(4) status {
   public:
     /// Done.

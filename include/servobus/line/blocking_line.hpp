@@ -484,7 +484,7 @@ class blocking_line : modbus::gathering<std::uint8_t, Lengths> {
 
     status ended_{}; // of the transaction, if it ended now
     bool is_echo_ruled_out_ = false;
-    detail::epoch_counters<1> epochs_;
+    detail::epoch_counters<1, detail::losses_alone> epochs_;
     instant last_{};          // look at the clock; zero: time counts from the next one
     duration idle_{};         // since the last byte, after trouble; a good end counts as `after_error`
     duration left_{};         // of the current time limit

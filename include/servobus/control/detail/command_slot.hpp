@@ -59,8 +59,8 @@ template <class Model> class command_slot {
         return owner_ == owner::application && kind_ == command_kind::endless_motion;
     }
 
-    /// True if a command replaces the routine under way: a stop of a higher priority, and a take-over, which begins
-    /// with every kind of stop, one of a supervisor.
+    /// True if a command replaces the routine under way. A stop of a higher priority does. A take-over replaces a
+    /// supervisor's stop, since it begins with every kind of stop.
     constexpr bool yields_to(const prepared_command& next) const {
         if (next.stop == stop_priority::no_stop)
             return owner_ == owner::supervisor && Model::kinds[next.then] == command_kind::take_over;
@@ -111,7 +111,8 @@ template <class Model> class command_slot {
         if (kind_ == command_kind::endless_motion) supervisors_.watch(now);
         if (kind_ == command_kind::move) supervisors_.end_watch();
     }
-    /// The stop that a supervisor begins now; `no_stop` if none. `runs_without_port`: the motor may, and has no watchdog.
+    /// The stop that a supervisor begins now, `no_stop` for none. `runs_without_port`: a drive without a watchdog may
+    /// run.
     [[gnu::always_inline]] constexpr due_stop due_stop_at(instant now, bool runs_without_port) {
         if (is_idle() && (supervisors_.is_stop_due(now) || runs_without_port)) {
             stop_tries_ = 0;
@@ -140,7 +141,7 @@ template <class Model> class command_slot {
         }
         return supervisors_.is_stop_open() ? supervisors_.urgent_left() : steps::urgent_frames;
     }
-    /// A take-over in place of a supervisor's stop: it is as urgent, and if it fails the stop is repeated. `was_sent`: the
+    /// A take-over in place of a supervisor's stop is as urgent. If that fails, the stop is repeated. `was_sent`: the
     /// step under way. Returns how many frames are urgent.
     constexpr std::uint8_t keep_stop_open(bool was_sent, instant now) {
         supervisors_.open_stop(command_.stop, run_.urgent_left(), run_.has_written() || was_sent, now);

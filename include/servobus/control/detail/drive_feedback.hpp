@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// The feedback of a drive: its blocks with their ages, the feedback that is held back until the witness is read, and
-// from where positions are counted. It knows neither the settings of the drive nor what its model makes of a block.
+// The feedback of a drive: its blocks with their ages, what is held back until the witness is read, and the origin of
+// its positions. It knows neither the settings of the drive nor what its model makes of a block.
 #pragma once
 
 #include <cstddef>

@@ -36,7 +36,7 @@ class drive_frame {
         flight_ = what;
         misses_ = at.misses;
     }
-    /// Of the node, when the last frame was loaded.
+    /// The misses of the node when the last frame was loaded.
     constexpr std::uint16_t misses_when_loaded() const { return misses_; }
     constexpr void drop() { flight_ = flight::none; }
     /// Lets the frame on the wire end unused, since another routine has begun.

@@ -72,8 +72,8 @@ template <bool HasWatchdog> class drive_link {
     /// No request without a response since the last check.
     constexpr bool is_verified(epoch at) const { return !is_check_required_ && misses_ == at.misses; }
     constexpr void end_check() { is_check_required_ = false; }
-    /// The witness was unchanged, or a command has set the drive up: the settings are those of the drive as it was when
-    /// the last frame was loaded.
+    /// The witness was unchanged, or a command has set the drive up. The settings are verified as of the load of the
+    /// last frame.
     constexpr void verify(std::uint16_t misses_when_loaded, instant now) {
         misses_ = misses_when_loaded;
         checked_ = now;

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// The end of a read of the feedback or of the witness: what is held back until the witness is read, what the model gets,
-// and which steps of the routine the words serve. Nothing here begins or replaces a command.
+// The end of a read of the feedback, or of the witness. Feedback that raises a suspicion is held back until the witness
+// is read. Then the model has it, and the steps of the routine. Nothing here begins or replaces a command.
 #pragma once
 
 #include <cstddef>
@@ -18,7 +18,7 @@
 
 namespace servobus::detail {
 
-/// A read may raise a suspicion, unless a take-over is under way: positions count from a new origin then, and an image
+/// A read may raise a suspicion, unless a take-over is under way. Positions count from a new origin then, and an image
 /// is not judged while settings change.
 template <class Model>
 [[gnu::noinline]] constexpr bool may_ask_other_witness(const knowledge<Model>& known,
@@ -50,8 +50,7 @@ template <class Model>
 
 /// The step under way asks the model, by the image.
 template <class Model>
-[[gnu::always_inline]] constexpr void ask_model(knowledge<Model>& known, command_slot<Model>& slot,
-                                                instant now) {
+[[gnu::noinline]] constexpr void ask_model(knowledge<Model>& known, command_slot<Model>& slot, instant now) {
     routine_run& run = slot.run();
     // A motion counts from its start, which may have been another command's.
     const duration waited = slot.kind() == command_kind::power ? known.feedback().until_image(run.entered())

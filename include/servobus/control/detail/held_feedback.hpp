@@ -1,9 +1,9 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Feedback that may be of another life of the drive: its positions do not count before the witness, or the image
-// after them, shows that the drive has not restarted. It stays at the beginning of the facade's response buffer; the
-// responses of the next frames lie after it.
+// Feedback that may be of before a restart. Its positions count once the witness, or the image after them, shows that
+// the drive has not restarted. It stays at the beginning of the facade's response buffer; the responses of the next
+// frames lie after it.
 //
 //     feedback --it raises a suspicion--> held --the drive is the same--> taken
 //                                          held --it has restarted, or a frame needs the room--> dropped

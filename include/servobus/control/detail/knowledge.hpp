@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// The knowledge of a drive: its settings, its feedback, its last motion, whether it responds, and whether it is still
-// the one that its settings describe, which the witness shows. Nothing here sends, or begins a command.
+// The knowledge of a drive: its settings, its feedback, its last motion, and whether it responds. The witness shows
+// whether it is still the drive that the settings describe. Nothing here sends, or begins a command.
 #pragma once
 
 #include <cstddef>

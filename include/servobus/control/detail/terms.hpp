@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// The terms on which a machine exchanges frames: how long a response may take, the gaps around a frame, how often a read
-// is repeated, and the priority of a request. A node states them, and a plan may change them.
+// The terms on which a machine exchanges frames: limits of responses, gaps, retries of reads, the priority of requests.
+// A node states them, and a plan may change them.
 #pragma once
 
 #include <cstdint>
@@ -23,9 +23,9 @@ class terms {
     constexpr response_limits& limits() { return limits_; }
     constexpr const bus_gaps& gaps() const { return gaps_; }
     constexpr std::uint8_t read_retries() const { return read_retries_; }
-    /// Of all requests but stops.
+    /// The priority of all requests but stops.
     constexpr servobus::priority priority() const { return priority_; }
-    /// How long a request without a response keeps the line.
+    /// The time for which a request without a response keeps the line.
     constexpr duration lost_response() const { return limits_.response + gaps_.quarantine; }
 
     /// The plan has another drive in its place.

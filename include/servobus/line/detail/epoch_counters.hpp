@@ -12,9 +12,16 @@
 
 namespace servobus::detail {
 
+/// The events of a line that has no facades: nobody tells it of a change.
+struct losses_alone {
+    std::uint8_t losses = 0;
+
+    constexpr operator line_events() const { return {losses}; } // NOLINT: implicit, as part of an epoch
+};
+
 // Nodes share `Counters` counters of 7 bits, and a bit beside each. One that wraps advances the next wider one, so that
 // no epoch comes back before 2^15 misses.
-template <std::size_t Counters> class epoch_counters {
+template <std::size_t Counters, class Events = line_events> class epoch_counters {
   public:
     [[gnu::always_inline]] constexpr epoch of(std::uint8_t node_address) const {
         const std::uint8_t of_node = of_node_[node_address % Counters];
@@ -57,7 +64,7 @@ template <std::size_t Counters> class epoch_counters {
         of_node = static_cast<std::uint8_t>(of_node + miss);
         if (of_node < miss) count_miss_of_all();
     }
-    line_events events_{};
+    Events events_{};
     std::uint8_t of_all_ = 0;
     std::uint8_t of_node_[Counters]{};
 };
