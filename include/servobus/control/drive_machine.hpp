@@ -32,9 +32,9 @@
 
 namespace servobus {
 
-/// The machine of a drive that `Model` describes (device/README.md). `Exchange` is its line's. A `Line` gives the epoch
-/// of a node, the node that was changed last, and the timing. It gives an exchange up (`abandon`) and keeps itself free
-/// (`announce_stop`).
+/// The machine of a drive that `Model` describes (device/README.md). `Exchange` is the exchange of its line. A `Line`
+/// gives the epoch of a node, the node that was changed last, and the timing. It gives an exchange up (`abandon`) and
+/// keeps itself free (`announce_stop`).
 template <class Model, class Exchange> class drive_machine {
   public:
     using prepared_command = typename Model::prepared_command;
@@ -60,7 +60,7 @@ template <class Model, class Exchange> class drive_machine {
     constexpr bool is_known(instant now, epoch at) const {
         return known_.is_known() && known_.link().holds(now, at);
     }
-    /// The cached settings, if they are still valid now.
+    /// The settings, unknown ones if they hold no more. It checks the link, which may end the command under way.
     template <class Line> constexpr const settings& valid_settings(instant now, const Line& on) {
         (void)check_link(now, on);
         if (known_.link().is_expired()) known_.invalidate();
@@ -76,19 +76,19 @@ template <class Model, class Exchange> class drive_machine {
         }
         if (!slot_.is_idle() && leaves_unknown()) {
             known_.invalidate();
-            // The frames of a stop follow from what is known.
+            // It was planned from settings that are not known any more.
             if (next.stop != stop_priority::no_stop)
                 next = Model::stop_for(next.stop, known_.cached(), false);
         }
         if (next.steps.empty()) return errc::bad_argument; // `no_steps` without a reason
         return take(next, now);
     }
-    /// `last` says why a command was refused, unless that of the command under way is due.
+    /// The refusal becomes the report, unless a command is under way. Returns it.
     constexpr errc note_refusal(errc refusal) {
         if (refusal != errc::ok && slot_.is_idle()) slot_.set_report(routine_status{refusal});
         return refusal;
     }
-    /// Ends the command under way with an error. The exchange may be dropped.
+    /// Ends the command under way with an error, and drops its frame: `notify` abandons it, also on the wire.
     constexpr void give_up(errc why, instant now) {
         if (slot_.is_idle()) return;
         const bool was_written = frame_.is_step_sent(exchange()) && buffers_.is_write();
@@ -103,7 +103,7 @@ template <class Model, class Exchange> class drive_machine {
         const bool has_ended = check_link(now, on);
         return supervise(now) || has_ended;
     }
-    /// Takes over what a plan states for the drive.
+    /// Adopts what a plan states for the drive.
     constexpr void adopt(const supervised_node& as, duration stop_every, duration retry_every,
                          duration longest_response, instant now) {
         terms_.adopt(as.limits, as.gaps, longest_response);
@@ -125,7 +125,7 @@ template <class Model, class Exchange> class drive_machine {
     constexpr Exchange& exchange() { return exchange_; }
     /// True from the frame's first byte until `conclude`.
     constexpr bool is_on_the_wire() const { return frame_.is_on_the_wire(exchange_); }
-    /// True while a stop that goes before all other traffic waits to be sent.
+    /// True if an urgent stop is the next frame, and no frame of the drive is on the wire.
     constexpr bool wants_stop() const { return slot_.run().is_urgent() && !is_on_the_wire(); }
     /// True if the line is to keep itself free for a stop, which is the next frame.
     constexpr bool announces_stop() const { return slot_.run().is_urgent() && purpose() != flight::step; }
@@ -142,8 +142,9 @@ template <class Model, class Exchange> class drive_machine {
     template <class Line> constexpr flight next(instant now, const Line& on) const {
         return detail::next_frame(known_, slot_, now, on);
     }
-    /// Fills the exchange with the request for `what`. The exchange has ended, or waited and was abandoned.
-    template <class Line> constexpr void load(flight what, instant now, const Line& on) {
+    /// Fills the exchange with the request for `what`; forgets the frame if that is `none`. The exchange has ended, or
+    /// waited and was abandoned.
+    template <class Line> [[gnu::noinline]] constexpr void load(flight what, instant now, const Line& on) {
         const bool has_waited = purpose() != flight::none;
         frame_.begin(what, on.epoch(address()));
         if (what == flight::none) return;
@@ -200,7 +201,7 @@ template <class Model, class Exchange> class drive_machine {
         slot_.watch(now);
         return errc::ok;
     }
-    // The target of a move that is under way counts no more.
+    // Puts a command in place of what is under way. A move that it replaces has no target any more.
     constexpr void replace_by(const prepared_command& next, owner by, std::uint8_t urgent, instant now) {
         const bool is_motion = !slot_.is_idle() && slot_.kind() >= command_kind::endless_motion;
         if (is_motion && (run().has_written() || slot_.kind() == command_kind::move))
@@ -230,7 +231,7 @@ template <class Model, class Exchange> class drive_machine {
 
     // --- Stops that no command asks for
 
-    // While the drive's watchdog may have stopped it, any other request may let it go on.
+    // After the watchdog's time the first frame is a stop: any other request may let the drive run on.
     [[gnu::noinline]] constexpr void stop(stop_priority how, owner by, std::uint8_t urgent, instant now) {
         const prepared_command next = Model::stop_for(how, known_.cached(), known_.link().is_expired());
         if (next.steps.empty()) { // the model has none
@@ -239,7 +240,7 @@ template <class Model, class Exchange> class drive_machine {
         }
         replace_by(next, by, urgent, now);
     }
-    // Stops all of the drive, for a fault of one motor too. `may_read`: a command that reads the feedback succeeds.
+    // Stops all of the drive, for a fault of one motor too. `may_read`: a command that reads the feedback is done.
     constexpr void stop_because(errc why, bool may_read, instant now) {
         constexpr stop_priority how = Model::stops.at_fault;
         const bool is_read = may_read && slot_.is_at(command_kind::refresh);
@@ -262,7 +263,7 @@ template <class Model, class Exchange> class drive_machine {
         return true;
     }
 
-    // --- The link: each call returns true if a command has ended
+    // --- The link: each call returns true if a command has ended, or the settings were lost
 
     template <class Line> [[gnu::always_inline]] constexpr bool check_link(instant now, const Line& on) {
         return !known_.link().holds(now, on.epoch(address())) && fail_link(now, on);

@@ -11,6 +11,7 @@
 #include <doctest/doctest.h>
 
 #include <tests/support/driven_c630s.hpp>
+#include <tests/support/loop_bound.hpp>
 
 namespace slower_block_age_tests {
 
@@ -85,6 +86,34 @@ TEST_CASE("G36: a block of the feedback is as old as the first byte of its reque
         CHECK(servo.feedback(microseconds(age + slack_us)));
     }
     CHECK(looks > (is_enabled ? 100 : 200));
+}
+
+TEST_CASE("G36: after an init each block of the feedback is read anew, however old a feedback may be") {
+    simulated::simulated_c630s r;
+    c630s::drive servo{r.line, 1, {.feedback = milliseconds(20)}};
+    REQUIRE(servo.run(init{}));
+    REQUIRE(servo.run(set_up{}));
+    r.model.power_cycle();
+    REQUIRE(servo.run(init{}));
+    wire_log log{&r.wire, r.line.timing().character, {}, {}};
+    r.wire.set_hook(&wire_log::note, &log);
+    const auto turn = [&] {
+        const duration idle = servo.step();
+        r.wire.wait(idle.us == 0 ? microseconds(10) : idle);
+    };
+    for (unsigned phase = 0; phase < 12; ++phase) { // of the turn of the blocks
+        CAPTURE(phase);
+        const std::uint64_t end = r.wire.time_us() + 300'000 + phase * 13'000;
+        while (r.wire.time_us() < end) turn();
+        REQUIRE(servo.feedback(milliseconds(5000)));
+        REQUIRE(servo.run(init{}));
+        const std::uint64_t ended = r.wire.time_us();
+        for (tests::loop_bound left{"a feedback"}; !servo.feedback(milliseconds(5000)); left.use()) turn();
+        for (std::size_t b = 0; b < model::blocks.size(); ++b) {
+            CAPTURE(b);
+            CHECK(log.begun[model::blocks[b].address] >= ended);
+        }
+    }
 }
 
 } // namespace slower_block_age_tests

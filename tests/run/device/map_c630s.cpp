@@ -587,4 +587,16 @@ TEST_CASE("C630S: the alarms are the 58 of chapter 8, in its order, with its cla
     }
 }
 
+TEST_CASE(
+    "P03-03: an input is active at a low level, a high level, a rising, a falling edge, at both: 0..4") {
+    using logic = c630s::input_logic;
+    const logic as_printed[] = {logic::low_level, logic::high_level, logic::rising_edge, logic::falling_edge,
+                                logic::both_edges};
+    for (u16 code = 0; code < 5; ++code) CHECK(static_cast<u16>(as_printed[code]) == code);
+    CHECK(static_cast<u16>(c630s::output_logic::low) == 0); // P04-01
+    CHECK(static_cast<u16>(c630s::output_logic::high) == 1);
+    CHECK(static_cast<u16>(c630s::virtual_input_logic::one) == 0); // P17-01
+    CHECK(static_cast<u16>(c630s::virtual_input_logic::rising_edge) == 1);
+}
+
 } // namespace map_c630s_tests

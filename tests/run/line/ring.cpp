@@ -55,6 +55,7 @@ TEST_CASE_TEMPLATE("a full ring holds its whole capacity, and drops and counts t
     std::uint32_t held = 0;
     while (r.push(static_cast<std::uint8_t>(held & 0xFF))) REQUIRE(++held <= 32768);
     CHECK(held == capacity_of<Ring>);
+    CHECK_FALSE(r.is_empty());
     CHECK(sizeof(Ring) > held);
     CHECK(r.overruns() == 1);
     CHECK_FALSE(r.push(0xEE));

@@ -12,7 +12,7 @@
 
 namespace servobus::detail {
 
-/// A move that fails is the last one all the same: the one before has no target any more. One that was refused as
+/// A move that fails is the last one all the same, so the one before has no target any more. A move that was refused as
 /// `busy` leaves the motion under way its target.
 template <class Model>
 constexpr void drop_target(knowledge<Model>& known, const typename Model::prepared_command& c, errc why) {
@@ -49,7 +49,7 @@ template <class Model> class command_end {
             note_success(kind, moves, was_stop, misses_when_loaded, now);
         } else {
             known_.note_failure(r, is_judged);
-            // A stop that goes on by other means ends as those do.
+            // If the model lets a stop go on by other steps, their end is the report.
             const bool goes_on =
                 !slot_.command().steps.empty() && slot_.command().stop != stop_priority::no_stop;
             if (was_stop && goes_on && by == owner::application) slot_.set_report({});

@@ -114,7 +114,7 @@ template <class Model> class command_slot {
     /// The stop that a supervisor begins now, `no_stop` for none. `runs_without_port`: a drive without a watchdog may
     /// run.
     [[gnu::always_inline]] constexpr due_stop due_stop_at(instant now, bool runs_without_port) {
-        if (is_idle() && (supervisors_.is_stop_due(now) || runs_without_port)) {
+        if ((supervisors_.is_stop_due(now) || runs_without_port) && is_idle()) {
             stop_tries_ = 0;
             const bool is_open = supervisors_.is_stop_open();
             return {is_open ? supervisors_.open_stop() : stop_priority::halt,

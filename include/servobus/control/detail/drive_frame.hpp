@@ -5,7 +5,8 @@
 // what has left.
 //
 //     none --load--> waiting --first byte--> on the wire --end--> none
-//     waiting --another routine--> dropped; on the wire --another routine--> drained: received, and not used
+//     waiting --another routine--> dropped
+//     a step on the wire --another routine--> drained: received, and not used; any other read goes on, and is used
 #pragma once
 
 #include <servobus/control/states.hpp>

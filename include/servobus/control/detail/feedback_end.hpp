@@ -2,7 +2,8 @@
 // SPDX-License-Identifier: BSL-1.0
 //
 // The end of a read of the feedback, or of the witness. Feedback that raises a suspicion is held back until the witness
-// is read. Then the model has it, and the steps of the routine. Nothing here begins or replaces a command.
+// is read. Then the model has it, and the steps of the routine. A step may end its command here; nothing begins or
+// replaces one.
 #pragma once
 
 #include <cstddef>
@@ -18,8 +19,7 @@
 
 namespace servobus::detail {
 
-/// A read may raise a suspicion, unless a take-over is under way. Positions count from a new origin then, and an image
-/// is not judged while settings change.
+/// The witness can be read: the settings are known, and the drive has one in this state.
 template <class Model>
 [[gnu::noinline]] constexpr bool may_ask_other_witness(const knowledge<Model>& known,
                                                        const command_slot<Model>& slot) {
@@ -33,7 +33,8 @@ constexpr bool may_ask_witness(const knowledge<Model>& known, const command_slot
         return may_ask_other_witness(known, slot);
 }
 
-/// Judges an image that was read. True if it is held back until the witness is read. `is_verified`: it was until now.
+/// Judges an image that was read. True if it is to be held back until the witness is read. `is_verified`: it was, and
+/// the witness is unchanged.
 template <class Model>
 [[gnu::always_inline]] constexpr bool is_held_back(knowledge<Model>& known, const command_slot<Model>& slot,
                                                    const std::uint16_t* words, bool is_verified,
@@ -123,7 +124,8 @@ template <class Model, class Exchange>
     if (slot.run().reads(image_block<Model>)) slot.run().fail_read(x.status(), by);
     return false;
 }
-/// The read of the witness has ended. False if it shows nothing of the drive.
+/// The read of the witness has ended. False if there is nothing to compare: no response, or the settings are not known
+/// any more.
 template <class Model>
 constexpr bool take_witness(knowledge<Model>& known, command_slot<Model>& slot, const terms& by,
                             const status& got, instant now) {

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// The exchange of a machine with the buffers of its request and its response, and how a frame is filled for a purpose.
+// The buffers of a machine's exchange, and how a request is made for a purpose. The response buffer:
 //
 //     | held feedback | response of the frame under way | or, where nothing is held, the response from the beginning
 #pragma once
@@ -31,7 +31,8 @@ template <class Model, class Exchange> class frame_buffers {
     /// Where feedback that is held back lies.
     constexpr std::uint8_t* held() { return response_; }
 
-    /// Makes the request for a step, the feedback or the witness.
+    /// Makes the request for a step, the feedback or the witness. Held feedback is dropped if its response finds no
+    /// room.
     template <class Line>
     constexpr void fill(Exchange& x, flight what, knowledge<Model>& known, const command_slot<Model>& slot,
                         const terms& by, instant now, const Line& on) {

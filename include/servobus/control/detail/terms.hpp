@@ -23,9 +23,9 @@ class terms {
     constexpr response_limits& limits() { return limits_; }
     constexpr const bus_gaps& gaps() const { return gaps_; }
     constexpr std::uint8_t read_retries() const { return read_retries_; }
-    /// The priority of all requests but stops.
+    /// The priority of all requests but urgent stops.
     constexpr servobus::priority priority() const { return priority_; }
-    /// The time for which a request without a response keeps the line.
+    /// Response limit and quarantine of a lost request, without its time on the wire.
     constexpr duration lost_response() const { return limits_.response + gaps_.quarantine; }
 
     /// The plan has another drive in its place.
@@ -37,11 +37,11 @@ class terms {
         gaps_ = gaps;
         bound_response(longest_response);
     }
-    /// Waits no longer for a response than a plan counts with, though the drive may say that it responds later.
+    /// Shortens the response limit to the plan's, though the drive may state a longer one.
     constexpr void bound_response(duration longest) {
         if (longest < limits_.response) limits_.response = longest;
     }
-    /// Sends all requests, also the stops of a drive that is refused, with a plan's priority.
+    /// Requests have a plan's priority from now on, also those of a refused drive: its stops are read back.
     constexpr void follow_plan() { priority_ = servobus::priority::planned; }
 
   private:

@@ -12,7 +12,8 @@
 
 namespace servobus::detail {
 
-/// The model's judgement of an image of a drive whose settings are known, while no command changes them.
+/// Lets the model judge an image, by which it may change the settings. They must be known, and no command may change
+/// them.
 template <class Model>
 constexpr verdict judged(knowledge<Model>& known, const command_slot<Model>& slot,
                          const std::uint16_t* words) {
@@ -20,14 +21,16 @@ constexpr verdict judged(knowledge<Model>& known, const command_slot<Model>& slo
                                                    : verdict::as_expected;
 }
 
-/// The drive has restarted. Its motor has no power any more, or stands: no command timeout is to stop it.
+/// The drive has restarted, or was switched off by something else. Its motor has no power or stands, so no command
+/// timeout is to stop it.
 template <class Model>
 [[gnu::noinline]] constexpr void note_restart(knowledge<Model>& known, command_slot<Model>& slot) {
     known.invalidate();
     slot.supervisors().end_watch();
     known.motion().note_cause(stop_cause::restart);
 }
-/// Notes what a verdict shows, and ends the command where that suffices. Returns why the drive is to be stopped, or ok.
+/// Notes what a verdict shows. Ends the command if the drive has stopped by itself. Returns why the drive is to be
+/// stopped, or ok.
 template <class Model>
 constexpr errc note_verdict(verdict found, knowledge<Model>& known, command_slot<Model>& slot) {
     switch (found) {
