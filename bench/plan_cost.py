@@ -42,7 +42,7 @@ def source(reads):
     values = "".join(f"    if (const auto seen = all.latest<{i}>(milliseconds(9000))) sum += seen->get<level>();\n"
                      for i in range(reads))
     return (f"inline constexpr poll_plan plan{{modbus::timing_at(115200),\n    {entries}}};\n"
-            "unsigned step(line<uart>& wire) {\n    auto all = make_bus<plan>(wire);\n"
+            "unsigned step(scheduled_line<uart>& wire) {\n    auto all = make_bus<plan>(wire);\n"
             f"    unsigned sum = all.step().us;\n{values}    return sum;\n}}\n")
 
 
