@@ -94,9 +94,9 @@ check(figures.instructions.clang LABELS figures COST 12 ENVIRONMENT CXX=clang++ 
 check(figures.compile_cost LABELS figures COST 19 COMMAND ${python} bench/compile_cost.py
       OF bench/compile_cost.py include/servobus/registers ALONE)
 check(figures.include_cost LABELS figures COST 25 COMMAND ${python} bench/include_cost.py --bounds
-      OF bench/include_cost.py ALONE)
+      OF bench/include_cost.py include/servobus/control include/servobus/device ALONE)
 check(figures.plan_cost LABELS figures COST 23 COMMAND ${python} bench/plan_cost.py
-      OF bench/plan_cost.py ALONE)
+      OF bench/plan_cost.py include/servobus/bus include/servobus/line ALONE)
 check(figures.bus LABELS figures COMMAND ${python} bench/bus.py)
 check(figures.page LABELS figures docs COMMAND ${python} bench/readme.py --check)
 check(figures.plots LABELS figures docs COMMAND ${python} bench/plot.py --check)
