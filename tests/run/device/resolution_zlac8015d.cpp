@@ -388,4 +388,47 @@ TEST_CASE("G46: the facades of a robot and of two axes wait for the power cycle 
     }
 }
 
+TEST_CASE("G46: a resolution of a robot ends as that of its drive, whichever response is lost") {
+    struct end {
+        errc how;
+        drive_state state;
+        bool is_saved;
+    };
+    // `has_lost`: there was a frame to lose.
+    const auto end_of = [](auto& r, auto& facade, std::uint32_t lost, bool& has_lost) {
+        REQUIRE(facade.run(init{}));
+        REQUIRE(facade.run(enable{})); // from then on its mode is known
+        REQUIRE(facade.run(disable{}));
+        const std::uint32_t first = r.wire.requests();
+        REQUIRE(facade.begin(resolution{10}) == errc::ok);
+        for (tests::loop_bound left{"the end of a resolution"}; !facade.is_idle(); left.use()) {
+            const bool is_now = r.wire.requests() == first + lost;
+            r.wire.faults().lost_response = is_now ? 1000 : 0;
+            has_lost = has_lost || is_now;
+            const duration idle = facade.step();
+            r.wire.wait(idle.us == 0 ? microseconds(10) : idle);
+        }
+        r.wire.faults() = {};
+        return end{facade.last().error(), facade.state(), r.model.saves() != 0};
+    };
+    constexpr supervision polled{.feedback = milliseconds(20), .command_timeout = milliseconds(400)};
+    unsigned played = 0;
+    for (std::uint32_t lost = 1; lost < 30; ++lost) {
+        CAPTURE(lost);
+        bool has_lost = false;
+        bool has_lost_too = false;
+        rig one;
+        zlac8015d::drive plain{one.line, node<device>{1}, polled};
+        const end of_drive = end_of(one, plain, lost, has_lost);
+        rig other;
+        zlac8015d::robot robot{other.line, node<device>{1}, base, polled};
+        const end of_robot = end_of(other, robot, lost, has_lost_too);
+        CHECK(of_robot.how == of_drive.how);
+        CHECK(of_robot.state == of_drive.state);
+        CHECK(of_robot.is_saved == of_drive.is_saved);
+        played += has_lost && has_lost_too ? 1u : 0u;
+    }
+    CHECK(played >= 6);
+}
+
 } // namespace resolution_zlac8015d_tests

@@ -145,6 +145,39 @@ TEST_CASE("C630S: outputs likewise, among themselves") {
 }
 
 TEST_CASE(
+    "C630S: after several requests that are refused in a row, no write wears the EEPROM, or the drive needs "
+    "init") {
+    unsigned kept = 0, struck = 0;
+    for (const std::size_t count : {std::size_t{2}, std::size_t{3}}) {
+        for (std::size_t n = 1; n < 60; ++n) {
+            CAPTURE(count);
+            CAPTURE(n);
+            servo r;
+            REQUIRE(r.make_ready());
+            const std::size_t first = r.requests.size();
+            const auto step_until_idle = [&](const auto& part) {
+                if (const errc no = r.drive.begin(part); no != errc::ok) return routine_status{no};
+                while (!r.drive.is_idle()) {
+                    const std::size_t at = r.requests.size() - first;
+                    r.model.refuses = at >= n && at < n + count;
+                    r.turn();
+                }
+                return r.drive.last();
+            };
+            (void)c6::wire_inputs{.di1 = in::home_switch}.run_by(r.drive, step_until_idle);
+            r.model.refuses = false;
+            if (r.model.refused == 0) break;
+            ++struck;
+            if (r.drive.state() != drive_state::disabled) continue;
+            ++kept;
+            CHECK(r.model.peek(c6::eeprom_update.address) == 0);
+        }
+    }
+    CHECK(struck >= 30);
+    CHECK(kept >= 5);
+}
+
+TEST_CASE(
     "C630S: after each request that is refused or lost, no write wears the EEPROM, or the drive needs init") {
     unsigned refusals = 0, losses = 0;
     for (const bool is_lost : {false, true}) {
