@@ -283,8 +283,14 @@ template <class Model, class Exchange> class drive_machine {
             if (!link.expires(now)) return is_lost;
             known_.invalidate();
         }
+        if (slot_.is_idle() || run().is_at_stop()) return is_lost;
+        if (slot_.is_stopping()) {
+            if (!run().has_missed_stop() || is_on_the_wire()) return is_lost;
+            // A read now might let the drive go on, which has missed a part of the stop: that ends, and stays open.
+            give_up(errc::ok, now);
+            return true;
+        }
         // Also in the middle of a frame: with its response the command would go on, although nothing is known.
-        if (slot_.is_idle() || slot_.is_stopping() || run().is_at_stop()) return is_lost;
         give_up(errc::needs_init, now);
         return true;
     }

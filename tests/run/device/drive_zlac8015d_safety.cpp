@@ -354,6 +354,47 @@ TEST_CASE("S3, G20: the stop of a supervisor that a drive receives first after i
     CHECK(r.model.stands_still());
 }
 
+TEST_CASE(
+    "S3, G21: a stop of which a part got no response reads nothing once the watchdog's time has passed") {
+    unsigned waited = 0;
+    for (std::int32_t ms = 300; ms <= 1500; ms += 20) {
+        CAPTURE(ms);
+        rig r;
+        be_enabled_in(r, operating_mode::torque);
+        REQUIRE(r.drive.run(watchdog{ms * millisecond}));
+        REQUIRE(r.drive.run(torque{500 * milliampere, 500 * milliampere}));
+        r.wire.pass(milliseconds(2500)); // the program sleeps
+        r.log.frames.clear();
+        REQUIRE(r.drive.begin(halt{}) == errc::ok);
+        const auto turn = [&r] {
+            const duration idle = r.drive.step();
+            r.wire.wait(idle.us == 0 ? microseconds(10) : shorter_of(idle, milliseconds(1)));
+        };
+        const auto is_stopped = [&r] {
+            r.model.advance(r.wire.clock());
+            return r.model.in_watchdog_stop();
+        };
+        REQUIRE(is_stopped());
+        while (r.log.frames.empty() || r.log.open.empty()) turn(); // the second one begins to leave
+        CHECK(same_bytes(r.log.frames[0], zero_targets)); // confirmed, but it does not stop this mode
+        REQUIRE_FALSE(is_stopped());
+        r.wire.set_connected(0, false);
+        while (!r.drive.is_idle() && !is_stopped()) turn();
+        if (!is_stopped()) continue;
+        r.wire.set_connected(0, true);
+        r.log.frames.clear();
+        while (!r.drive.is_idle() && r.log.frames.empty()) turn();
+        if (r.log.frames.empty()) {
+            ++waited;
+            CHECK_FALSE(r.drive.last());
+            CHECK(is_stopped());
+        } else {
+            CHECK(modbus::is_write(r.log.frames.front()[1]));
+        }
+    }
+    CHECK(waited != 0);
+}
+
 TEST_CASE("without a command timeout the facade sends nothing by itself, and the drive's watchdog stops the "
           "wheels") {
     rig r;
