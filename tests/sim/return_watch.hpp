@@ -115,11 +115,12 @@ class return_watch {
         return needs_ == need::an_init && !goes_on_with_stop(motion);
     }
     // S3: the first frame after a stop by the watchdog is a stop, though it may not stop the drive in every
-    // mode. The motion that resumes with it must have stopped when that command ends.
+    // mode. The motion that resumes with it must have stopped when that command ends. If the drive has received nothing
+    // but stops since, the command has ended without confirmation, and the watchdog ends the motion.
     bool goes_on_with_stop(std::uint64_t motion) const {
         const bool is_short = on_->now() - on_->stalled_us - let_go_at_ < longest_stop_us;
-        return needs_ == need::an_init && is_let_go_by_stop_ && is_short && !of_->is_idle() &&
-               motion == stopped_motion_;
+        return needs_ == need::an_init && is_let_go_by_stop_ && is_short &&
+               (!of_->is_idle() || !has_heard_more_) && motion == stopped_motion_;
     }
 
     // Checks what the drive has executed: an initialisation is complete once it has stopped the drive and
@@ -138,6 +139,7 @@ class return_watch {
                 is_let_go_by_stop_ = is_stop;
                 let_go_at_ = on_->now() - on_->stalled_us;
             }
+            has_heard_more_ = !is_stop || (has_heard_more_ && !is_stopped_);
             is_stopped_ = false;
             if (!was_taking_over || e.refusal != 0) continue;
             if (!e.is_write && has_heard_stop_) needs_ = need::nothing;
@@ -171,6 +173,7 @@ class return_watch {
     bool is_of_command_before_ = false; ///< `may_move_`, up to the next frame
     bool is_stopped_ = false;           ///< by its watchdog, and has received nothing since
     bool is_let_go_by_stop_ = false;    ///< the first request after that was a stop
+    bool has_heard_more_ = false;       ///< and since then also requests that are no stops
     bool is_late_unseen_ = false;       ///< a stall that the program cannot know of delayed its last request
     bool is_taking_over_ = false;       ///< an initialisation is in progress
     bool has_heard_stop_ = false;       ///< the drive has received a stop since the last command
