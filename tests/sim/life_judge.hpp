@@ -32,6 +32,8 @@ class life_judge {
         exceptions_ = in_.between().sent();
         was_restarted_in_it_ = false;
         if (what == doing::homing) positions_.forget();
+        // A stop hides a restart before it that no reading has shown, as it hides one during it.
+        if (what == doing::stop && is_sought_ && !of_.shows_restarts_in_stop()) positions_.forget();
     }
     /// It has ended.
     void ended() {
