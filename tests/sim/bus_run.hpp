@@ -39,6 +39,7 @@ class bus_run {
         };
         mishaps_.on_port_back = [this] {
             for (return_watch& r : returns_) r.lose("the port's return");
+            for (const auto& f : in_.facades()) f->note_port_back();
         };
     }
 

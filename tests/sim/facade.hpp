@@ -142,6 +142,10 @@ class facade {
         if (is_new_) ordered_at_ = now;
         is_new_ = false;
     }
+    /// The program's port has returned. A drive without a watchdog is stopped as another time (G45).
+    void note_port_back() {
+        if (!has_watchdog()) urgent_left_ = 3;
+    }
     /// The program has received a valid response to this request.
     void answered(servobus::bytes request) {
         unanswered_ = 0;
