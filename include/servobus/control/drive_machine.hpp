@@ -253,7 +253,6 @@ template <class Model, class Exchange> class drive_machine {
         if (slot_.is_stopping()) return;
         stop(how, is_read ? owner::follow_up : owner::supervisor, steps::urgent_frames, now);
     }
-    // True if a supervisor has begun a stop.
     constexpr bool supervise(instant now) {
         known_.polling().note_age(now);
         const detail::due_stop due = slot_.due_stop_at(now, known_.unwatched().runs_without_port());
@@ -268,8 +267,7 @@ template <class Model, class Exchange> class drive_machine {
     template <class Line> [[gnu::always_inline]] constexpr bool check_link(instant now, const Line& on) {
         return !known_.link().holds(now, on.epoch(address())) && fail_link(now, on);
     }
-    // The settings become invalid by a lost port, by another client that writes one of them, and once the watchdog's
-    // time has passed. A request without a response makes the witness due.
+    // A lost port, a write of another client and the end of the watchdog's time make the settings invalid.
     template <class Line> [[gnu::noinline]] constexpr bool fail_link(instant now, const Line& on) {
         auto& link = known_.link();
         const errc why = link.take_events(on.epoch(address()), on.changed_node(), address());
@@ -279,19 +277,14 @@ template <class Model, class Exchange> class drive_machine {
             known_.invalidate();
             if (why == errc::port_lost) known_.unwatched().note_lost_port();
         }
-        if (!link.is_expired()) {
-            if (!link.expires(now)) return is_lost;
-            known_.invalidate();
-        }
-        if (slot_.is_idle() || run().is_at_stop()) return is_lost;
-        if (slot_.is_stopping()) {
-            if (!run().has_missed_stop() || is_on_the_wire()) return is_lost;
-            // A read now might let the drive go on, which has missed a part of the stop: that ends, and stays open.
-            give_up(errc::ok, now);
-            return true;
-        }
-        // Also in the middle of a frame: with its response the command would go on, although nothing is known.
-        give_up(errc::needs_init, now);
+        if (link.expires(now)) known_.invalidate();
+        if (!link.is_expired()) return is_lost;
+        // Once the drive has missed a part of a stop, a read might let it go on. Any other command ends even during a
+        // frame: with its response it would go on, although nothing is known.
+        const bool is_stop = slot_.is_stopping();
+        const bool goes_on = is_stop && (!run().has_missed_stop() || is_on_the_wire());
+        if (slot_.is_idle() || run().is_at_stop() || goes_on) return is_lost;
+        give_up(is_stop ? errc::ok : errc::needs_init, now);
         return true;
     }
 

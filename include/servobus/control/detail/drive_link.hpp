@@ -49,7 +49,7 @@ template <bool HasWatchdog> class drive_link {
     constexpr void skip_change() { ++events_.changes; }
     /// True if the time of the watchdog has passed just now.
     constexpr bool expires(instant now) {
-        if (!is_overdue(now)) return false;
+        if (is_expired_ || !is_overdue(now)) return false;
         is_expired_ = true;
         return true;
     }
