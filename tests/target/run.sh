@@ -130,9 +130,9 @@ option "line, bus, facade: the same commands, the reads between them" bus_facade
 arm-none-eabi-g++ -std=c++20 -Os -mcpu=cortex-m0plus -mthumb -ffreestanding -fno-exceptions -fno-rtti $strict \
     -Wno-psabi -Iinclude -c "$here/objects.cpp" -o "$work/objects.o"
 object facade_of_a_zlac8015d 400
-object facade_of_a_closed_loop_yako 470
-object facade_of_an_open_loop_yako 470
-object facade_of_a_c630s 480
+object facade_of_a_closed_loop_yako 440
+object facade_of_an_open_loop_yako 440
+object facade_of_a_c630s 476
 
 # What calls for other tables and functions add to a program that reads and writes holding registers.
 printf '\n%-72s%-14s%7s%6s\n' "what calls add" core "flash: blocking line," line

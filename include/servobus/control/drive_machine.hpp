@@ -76,7 +76,7 @@ template <class Model, class Exchange> class drive_machine {
         }
         if (!slot_.is_idle() && leaves_unknown()) {
             known_.invalidate();
-            // It was planned from settings that are not known any more.
+            // The stop was planned from settings that are not known any more.
             if (next.stop != stop_priority::no_stop)
                 next = Model::stop_for(next.stop, known_.cached(), false);
         }

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// What was learned of a node holds until a request to it gets no valid response, since it may have restarted then, or
-// until the port is lost. A line counts both; what learns something of a node includes this.
+// A fact that was learned of a node holds until a request to it gets no valid response, since it may have restarted
+// then, or until the port is lost. A line counts both.
 //
 //     constexpr verified<word_order> learned{word_order::low_first, epoch{.misses = 3}};
 //     static_assert(learned.holds(epoch{.misses = 3}) && !learned.holds(epoch{.misses = 4}));

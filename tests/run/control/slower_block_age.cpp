@@ -39,6 +39,13 @@ struct wire_log {
     }
 };
 
+template <class Servo> void make_ready(simulated::simulated_c630s& r, Servo& servo) {
+    REQUIRE(servo.run(init{}));
+    REQUIRE(servo.run(set_up{}));
+    r.model.power_cycle();
+    REQUIRE(servo.run(init{}));
+}
+
 } // namespace
 
 TEST_CASE("G36: a block of the feedback is as old as the first byte of its request, to the microsecond") {
@@ -48,10 +55,7 @@ TEST_CASE("G36: a block of the feedback is as old as the first byte of its reque
     SUBCASE("enabled") { is_enabled = true; }
     simulated::simulated_c630s r;
     c630s::drive servo{r.line, 1, {.feedback = milliseconds(20)}};
-    REQUIRE(servo.run(init{}));
-    REQUIRE(servo.run(set_up{}));
-    r.model.power_cycle();
-    REQUIRE(servo.run(init{}));
+    make_ready(r, servo);
     if (is_enabled) REQUIRE(servo.run(enable_in{control_mode::position}));
     wire_log log{&r.wire, r.line.timing().character, {}, {}};
     r.wire.set_hook(&wire_log::note, &log);
@@ -91,10 +95,7 @@ TEST_CASE("G36: a block of the feedback is as old as the first byte of its reque
 TEST_CASE("G36: after an init each block of the feedback is read anew, however old a feedback may be") {
     simulated::simulated_c630s r;
     c630s::drive servo{r.line, 1, {.feedback = milliseconds(20)}};
-    REQUIRE(servo.run(init{}));
-    REQUIRE(servo.run(set_up{}));
-    r.model.power_cycle();
-    REQUIRE(servo.run(init{}));
+    make_ready(r, servo);
     wire_log log{&r.wire, r.line.timing().character, {}, {}};
     r.wire.set_hook(&wire_log::note, &log);
     const auto turn = [&] {

@@ -62,7 +62,7 @@ template <class Model> class command_end {
                                 instant now) {
         if (is_motion(kind)) {
             known_.motion().note_motion(now);
-            // One that was under way when the feedback showed a stop is acknowledged, and does not move.
+            // If the feedback has shown a stop since the motion began, it does not move: the cause stays.
             if (known_.is_enabled()) known_.motion().set_cause(stop_cause::unknown);
         }
         if (known_.is_known()) known_.link().watchdog() = Model::watchdog(known_.cached());

@@ -19,15 +19,16 @@
 
 namespace servobus::detail {
 
-/// The witness can be read: the settings are known, and the drive has one in this state.
+/// As `may_ask_witness`, in a single copy: for a drive whose `witness` takes much code.
 template <class Model>
 [[gnu::noinline]] constexpr bool may_ask_other_witness(const knowledge<Model>& known,
                                                        const command_slot<Model>& slot) {
     return known.is_known() && known.witness(slot.command()).look != nullptr;
 }
+/// The witness can be read: the settings are known, and the drive has one in this state.
 template <class Model>
 constexpr bool may_ask_witness(const knowledge<Model>& known, const command_slot<Model>& slot) {
-    if constexpr (polling<Model>::has_watchdog) // its witness takes little code
+    if constexpr (polling<Model>::has_watchdog) // one that takes little code
         return known.is_known() && known.witness(slot.command()).look != nullptr;
     else
         return may_ask_other_witness(known, slot);

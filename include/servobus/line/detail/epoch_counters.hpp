@@ -12,7 +12,7 @@
 
 namespace servobus::detail {
 
-/// The events of a line that has no facades: nobody tells it of a change.
+/// The events of a line that has no facades, and so no changes of their settings.
 struct losses_alone {
     std::uint8_t losses = 0;
 
