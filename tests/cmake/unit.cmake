@@ -17,14 +17,7 @@ if(SERVOBUS_UNIT_FOLDERS)
   list(FILTER unit_sources INCLUDE REGEX "^run/(${folders})/")
 endif()
 file(GLOB static_sources CONFIGURE_DEPENDS RELATIVE ${CMAKE_CURRENT_SOURCE_DIR} static/*.cpp)
-file(STRINGS run/busy.txt busy_lines REGEX "^[^#]")
-foreach(line IN LISTS busy_lines)
-  if(line MATCHES " ([0-9]+)$")
-    string(REPLACE " ${CMAKE_MATCH_1}" "" line ${line})
-    set(seconds_of_${line} ${CMAKE_MATCH_1})
-  endif()
-  list(APPEND busy ${line})
-endforeach()
+names_and_seconds(busy run/busy.txt)
 
 add_library(unit_settings INTERFACE)
 target_link_libraries(unit_settings INTERFACE servobus::servobus strict_warnings doctest::doctest)
@@ -54,7 +47,7 @@ if(SERVOBUS_QUICK)
   set(busy_sources)
 endif()
 
-# unit_objects(NAME LEVEL SOURCE...): one unit for each folder.
+# unit_objects(NAME LEVEL SOURCE...): one unit for each folder, or for forty of its sources.
 function(unit_objects name level)
   add_library(${name} OBJECT ${ARGN})
   target_link_libraries(${name} PRIVATE unit_settings)
@@ -64,7 +57,10 @@ function(unit_objects name level)
   foreach(source IN LISTS ARGN)
     get_filename_component(folder ${source} DIRECTORY)
     get_filename_component(folder ${folder} NAME)
-    set_source_files_properties(${source} PROPERTIES UNITY_GROUP ${folder})
+    list(APPEND of_${folder} ${source})
+    list(LENGTH of_${folder} count)
+    math(EXPR unit "(${count} - 1) / 40")
+    set_source_files_properties(${source} PROPERTIES UNITY_GROUP ${folder}_${unit})
   endforeach()
 endfunction()
 
@@ -135,8 +131,8 @@ foreach(source IN LISTS unit_sources)
   target_compile_options(${name} PRIVATE ${level})
   add_custom_target(unit.${name} COMMAND ${CMAKE_CROSSCOMPILING_EMULATOR} $<TARGET_FILE:${name}> USES_TERMINAL)
 endforeach()
-# The code of small cores on this host. Configurations that build part of the tests leave it out.
-if(NOT SERVOBUS_UNIT_FOLDERS)
+# The code of small cores on this host. tests/run.sh, and configurations that build part of the tests, leave it out.
+if(NOT SERVOBUS_UNIT_FOLDERS AND NOT SERVOBUS_QUICK)
   file(GLOB small_core_sources CONFIGURE_DEPENDS run/modbus/exchange*.cpp run/client/call_worlds.cpp
        run/client/client_retries.cpp run/line/bad_input.cpp run/line/bytes_at_once.cpp run/line/failed_sends.cpp
        run/line/line_leftovers.cpp run/line/line_steps.cpp run/line/stuck_ports.cpp run/line/wire_times.cpp
@@ -146,7 +142,7 @@ if(NOT SERVOBUS_UNIT_FOLDERS)
   target_link_libraries(small_core_tests PRIVATE unit_settings)
   target_compile_options(small_core_tests PRIVATE -O1)
   set_target_properties(small_core_tests PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 0)
-  check(unit.small_core LABELS unit fast COST 5 COMMAND ${CMAKE_CROSSCOMPILING_EMULATOR} $<TARGET_FILE:small_core_tests>)
+  check(unit.small_core LABELS unit COST 5 COMMAND ${CMAKE_CROSSCOMPILING_EMULATOR} $<TARGET_FILE:small_core_tests>)
   add_dependencies(servobus_tests small_core_tests)
 endif()
 # Each case belongs to one of these sources, or it would not run.

@@ -34,7 +34,7 @@ foreach(judge g++ clang-tidy)
 endforeach()
 check(headers.no_warnings.cppcheck LABELS compile COST 49 ENVIRONMENT JOBS=1 COMMAND ${python} tests/warnings/programs.py cppcheck
       OF tests/warnings ALONE)
-check(headers.refuse_cpp17 LABELS compile COST 15 COMMAND ${python} tests/old_standards.py)
+check(headers.refuse_cpp17 LABELS compile COST 8 COMMAND ${python} tests/old_standards.py)
 check(headers.rooms LABELS compile COMMAND ${python} tests/rooms.py)
 check(tool.rooms LABELS compile COMMAND ${python} tests/tool_rooms.py)
 check(rings LABELS docs COMMAND ${python} tests/rings.py)
