@@ -242,6 +242,13 @@ TEST_CASE(
     }
 }
 
+TEST_CASE("an address at which a plan has no drive is not that of another") {
+    for (unsigned address = 0; address < 256; ++address) {
+        CAPTURE(address);
+        CHECK(plan.drive_at(static_cast<std::uint8_t>(address)) == (address == 1 ? 0u : plan.drives));
+    }
+}
+
 TEST_CASE("G28: a node of the program's own requests that is gone is asked once a second, and found when it "
           "returns") {
     rig r;

@@ -84,6 +84,19 @@ TEST_CASE_TEMPLATE("an identification is read part by part, and a lost part is a
     CHECK(r.asked == std::vector<unsigned>{0, 2, 2});
 }
 
+TEST_CASE_TEMPLATE("each part of an identification may be asked for three times", Kind, any_line,
+                   small_line) {
+    setup<Kind> r;
+    r.script = {{}, {}, part(0xFF, 1, 1, text(0, "Acme")), {}, {}, part(0, 0, 1, text(1, "P-1"))};
+    CHECK(r.read());
+    CHECK(r.seen == std::vector<std::string>{"0 Acme", "1 P-1"});
+    CHECK(r.asked == std::vector<unsigned>{0, 0, 0, 1, 1, 1});
+    setup<Kind> lost;
+    lost.script = {{}, part(0xFF, 1, 1, text(0, "Acme"))};
+    CHECK(lost.read().error() == errc::timeout);
+    CHECK(lost.asked == std::vector<unsigned>{0, 0, 1, 1, 1});
+}
+
 TEST_CASE_TEMPLATE("a device that refuses, or is not there, has no identification", Kind, any_line,
                    small_line) {
     setup<Kind> r;

@@ -307,6 +307,7 @@ TEST_CASE("G34: a move of one wheel that is refused leaves the other wheel its t
         CHECK(refused.error() == errc::out_of_range);
         CHECK(r.drive.arrival(second).how == arrival_state::none);
         CHECK(r.drive.arrival(first).how == arrival_state::reached);
+        CHECK(r.drive.arrival().how == arrival_state::none);
         CHECK(r.drive.run(wait_wheels_reached{first}));
     }
 }
@@ -327,6 +328,29 @@ TEST_CASE("G34: in the asynchronous mode each wheel has its own move and its own
     REQUIRE(r.drive.run(wait_wheels_reached{wheels::left}));
     CHECK(r.model.left().position == 40960);
     CHECK(r.model.starts() == 2);
+}
+
+TEST_CASE(
+    "G34: a move that a fault has replaced has no arrival, and that of the other wheel is not its own") {
+    enabled r{operating_mode::relative_position, synchronisation::asynchronous};
+    CHECK(r.drive.run(move_right_by{300 * pulse}, wait_wheels_reached{wheels::right, milliseconds(5'000)})
+              .how == arrival_state::reached);
+    REQUIRE(r.drive.begin(move_left_by{4000 * pulse}) == errc::ok);
+    r.model.raise(fault::none, fault::overcurrent);
+    r.step_to_end();
+    CHECK(r.drive.last().error() == errc::faulted);
+    CHECK(r.drive.arrival().how == arrival_state::none);
+    CHECK(r.drive.arrival(wheels::left).how == arrival_state::none);
+    CHECK(r.drive.arrival(wheels::right).how == arrival_state::reached);
+    CHECK(r.drive.begin(wait_reached{milliseconds(100)}) == errc::wrong_state);
+
+    r.model.end_faults();
+    (void)r.drive.run(fault_reset{});
+    REQUIRE(r.drive.run(init{}));
+    REQUIRE(
+        r.drive.run(enable_in{checked(operating_mode::relative_position), synchronisation::asynchronous}));
+    CHECK(r.drive.run(move_right_by{300 * pulse}, wait_reached{milliseconds(5'000)}).how ==
+          arrival_state::reached);
 }
 
 TEST_CASE("a wait of 40960 counts takes at most 300 frames, and a halt 30") {

@@ -39,6 +39,27 @@ void step_for(rig& r, std::uint32_t ms) {
 
 } // namespace
 
+TEST_CASE("S3: no mode is written to wheels that coast after a wired stop, whatever the running bits show") {
+    using switches = sim::zlac8015d_options;
+    for (const switches::running bit :
+         {switches::running::turns, switches::running::driven, switches::running::enabled}) {
+        CAPTURE(static_cast<int>(bit));
+        rig r{{.bit = bit}};
+        be_enabled_in(r, operating_mode::velocity);
+        REQUIRE(r.drive.run(velocity{100 * r_per_min, 100 * r_per_min}));
+        step_for(r, 600);
+        r.model.set_input(true, false);
+        REQUIRE_FALSE(simulated::are_slow(r.model));
+        const std::size_t before = r.log.frames.size();
+        CHECK(r.drive.run(enable_in{checked(operating_mode::relative_position)}).error() == errc::busy);
+        CHECK(r.drive.run(save{}).error() != errc::ok);
+        for (std::size_t i = before; i < r.log.frames.size(); ++i)
+            CHECK_FALSE(
+                (r.log.frames[i][1] == 6 && load_word(r.log.frames[i], 2) == mode_of_operation.address));
+        CHECK_FALSE(simulated::are_slow(r.model));
+    }
+}
+
 TEST_CASE("S3: if a pair of speeds is too high, both wheels are slowed down together, never one alone") {
     cached_settings known{.state = drive_state::enabled, .mode = operating_mode::velocity, .max_speed = 200};
     for (std::uint16_t n = 1; n <= 10; ++n) {

@@ -210,7 +210,7 @@ TEST_CASE("the frames of a C630S's commands, and what each word that they read d
     expect(frames_of(r, off, fault_reset{}),
            "0603=0000 0000, 3100: needs_init, 3100=8000, 3100: unexpected_value, 0B00: again - \" \", "
            "1720: -, 3100: needs_init, 0603=0000 0000, 0703=0000, 0D05=0000, 0D01=0000, 0D01=0001, "
-           "1720: again, 0D01=0000, 3100=8000, 3100: unexpected_value");
+           "1720: again, 0D01=0000, 3100: needs_init, 3100=8000");
     expect(frames_of(r, off, enable_in{control_mode::speed}),
            "0C0D: needs_init, 0C1A: needs_init, 3100: needs_init, 0B00: busy - \" \", 1720: faulted, "
            "0603=0000 0000, 0703=0000, 1100=0002, 1100: unexpected_value, 1200=0002, "
@@ -327,23 +327,23 @@ TEST_CASE("the frames of a ZLAC8015D's commands, and what each word that they re
            "2088=0000 0000, 200E=0007, 2090=0000 0000, 20A2: again - \" \" \" \" \" \" \" again \", 2000: -, "
            "2008: -, 2022: unexpected_value");
     expect(frames_of(r, off, enable{}),
-           "20A2: busy - \" faulted \" - \" \" \" \" \", 2088=0000 0000, 2088: unexpected_value \", "
+           "20A2: busy - \" faulted \" - \" \" \" busy \", 2088=0000 0000, 2088: unexpected_value \", "
            "2090=0000 0000, 2090: unexpected_value \", 200D=0003, 200D: unexpected_value, "
            "2022: needs_init, 2000: needs_init, 200E=0008, 20A2: again - \" \" \" \" \" \" \" \" \", "
            "200D: needs_init");
     expect(frames_of(r, off, enable_in{operating_mode::torque}),
-           "20A2: busy - \" faulted \" - \" \" \" \" \", 2088=0000 0000, 2088: unexpected_value \", "
+           "20A2: busy - \" faulted \" - \" \" \" busy \", 2088=0000 0000, 2088: unexpected_value \", "
            "2090=0000 0000, 2090: unexpected_value \", 200D=0004, 200D: unexpected_value, "
            "2022: needs_init, 2000: needs_init, 200E=0008, 20A2: again - \" \" \" \" \" \" \" \" \", "
            "200D: needs_init");
     expect(frames_of(r, off, enable_in{operating_mode::relative_position}),
-           "20A2: busy - \" faulted \" - \" \" \" \" \", 2088=0000 0000, 2088: unexpected_value \", "
+           "20A2: busy - \" faulted \" - \" \" \" busy \", 2088=0000 0000, 2088: unexpected_value \", "
            "2090=0000 0000, 2090: unexpected_value \", 208A=0000 0000 0000 0000, "
            "208A: unexpected_value \" \" \", 200D=0001, 200D: unexpected_value, 200F=0001, "
            "200F: unexpected_value, 2022: needs_init, 2000: needs_init, 200E=0008, "
            "20A2: again - \" \" \" \" \" \" \" \" \", 200D: needs_init");
     expect(frames_of(r, off, (enable_in{operating_mode::absolute_position, asynchronous})),
-           "20A2: busy - \" faulted \" - \" \" \" \" \", 2088=0000 0000, 2088: unexpected_value \", "
+           "20A2: busy - \" faulted \" - \" \" \" busy \", 2088=0000 0000, 2088: unexpected_value \", "
            "2090=0000 0000, 2090: unexpected_value \", 200D=0002, 200D: unexpected_value, 200F=0000, "
            "200F: unexpected_value, 2022: needs_init, 2000: needs_init, 200E=0008, "
            "20A2: again - \" \" \" \" \" \" \" \" \", 200D: needs_init");
@@ -369,7 +369,7 @@ TEST_CASE("the frames of a ZLAC8015D's commands, and what each word that they re
            "200D: needs_init");
     expect(
         frames_of(r, off, save{}),
-        "20A2: busy - \" \" \" \" \" \" \" \" \", 200D=0000, 200D: unexpected_value, 2010=0001, 2010=0000");
+        "20A2: busy - \" \" \" \" \" \" \" busy \", 200D=0000, 200D: unexpected_value, 2010=0001, 2010=0000");
     expect(frames_of(r, off, zlac8015d::watchdog{800 * millisecond}), "2000=0320, 2000: unexpected_value");
     const auto off_with_1_r_per_min = [](auto& d) {
         for (int i = 0; i < 2; ++i) { // one that has failed in the middle sets its mark once more
@@ -381,7 +381,7 @@ TEST_CASE("the frames of a ZLAC8015D's commands, and what each word that they re
     };
     expect(
         frames_of(r, off_with_1_r_per_min, resolution{10}),
-        "20A2: busy - \" \" \" \" \" \" \" \" \", 2022=000A, 2022: unexpected_value, 200D=0000, "
+        "20A2: busy - \" \" \" \" \" \" \" busy \", 2022=000A, 2022: unexpected_value, 200D=0000, "
         "200D: unexpected_value, 2010=0001, 2010=0000, 200D=0003, 200D: unexpected_value, 2022: needs_init");
     REQUIRE(off_with_1_r_per_min(r));
     expect(frames_of(r, off, clear_position{}), "20A2: busy - \" \" \" \" \" \" \" \" \", 2005=0003 0003");

@@ -14,6 +14,7 @@
 #include <tests/support/driven_yako.hpp>
 #include <tests/support/enabled_c630s.hpp>
 #include <tests/support/enabled_yako.hpp>
+#include <tests/support/loop_bound.hpp>
 
 namespace port_returns_tests {
 
@@ -86,6 +87,30 @@ TEST_CASE_TEMPLATE("G45: a drive that moves is stopped by the first step that ha
             CHECK(live(s, 100) == 0);                          // the stop was confirmed, and is not repeated
         }
     }
+}
+
+TEST_CASE("G45: a velocity that had left as a halt replaced it, and the port was lost, is stopped") {
+    servo s;
+    s.take();
+    REQUIRE(s.drive.begin(c630s::velocity{300 * units::r_per_min}) == errc::ok);
+    const auto is_velocity = [&] {
+        return !s.requests.empty() && modbus::is_write(s.requests.back()[1]) &&
+               load_word(s.requests.back(), 2) == c630s::target_speed.address;
+    };
+    for (tests::loop_bound left{"the velocity leaves"}; !is_velocity(); left.use()) {
+        (void)s.drive.step();
+        s.wire.wait(microseconds(20));
+    }
+    REQUIRE(s.drive.begin(halt{}) == errc::ok);
+    s.wire.unplug();
+    (void)live(s, 300);
+    REQUIRE(s.moves());
+    s.wire.plug();
+    const std::size_t before = s.requests.size();
+    (void)live(s, 1500);
+    REQUIRE(s.requests.size() > before);
+    CHECK(servo::stops(s.requests[before]));
+    CHECK_FALSE(s.moves());
 }
 
 TEST_CASE_TEMPLATE("G45: a drive that was seen at rest is sent nothing as its port returns", S, stepper,

@@ -143,6 +143,33 @@ TEST_CASE("G21, G35: a restart at any moment before a stop shows, for a fault an
     }
 }
 
+TEST_CASE("G21, G35: a restart at any moment of a fault's reset shows, though the reset sets the marker") {
+    unsigned moments = 0;
+    for (const std::uint32_t off_ms : {20u, 100u}) {
+        for (std::uint32_t at_ms = 0;; at_ms += 3) {
+            CAPTURE(off_ms);
+            CAPTURE(at_ms);
+            program p{milliseconds(20)};
+            p.model.raise(0x620, true);
+            p.loop(300);
+            p.model.end_causes();
+            REQUIRE(p.servo.begin(fault_reset{}) == errc::ok);
+            const std::uint64_t at = p.wire.time_us() + at_ms * 1000u;
+            while (p.wire.time_us() < at && !p.servo.is_idle()) p.turn();
+            if (p.servo.is_idle()) break;
+            ++moments;
+            p.model.power_cycle();
+            p.wire.set_connected(0, false);
+            p.loop(off_ms);
+            p.wire.set_connected(0, true);
+            while (!p.servo.is_idle()) p.turn();
+            p.loop(1000);
+            CHECK(p.servo.state() == drive_state::needs_init);
+        }
+    }
+    CHECK(moments >= 40);
+}
+
 TEST_CASE("G25, G26: a stop that gets no response to its read of the marker switches the servo off") {
     for (const control_mode mode : {control_mode::speed, control_mode::torque, control_mode::position}) {
         program p{milliseconds(20)};

@@ -245,13 +245,15 @@ TEST_CASE("after a stop, and where a setpoint has had no response, the way begin
         r.drive_by([](std::uint32_t) { return full; }, 200, [](std::uint32_t) {});
         const int before = ordered();
         CHECK(before > 35);
-        // Neither the setpoint nor its read-back gets through.
+        // The setpoint is lost, and its read-back says so.
         r.wire.faults().lost_request = 1000;
         CHECK(r.robot.begin(full) == errc::ok);
-        for (int ms = 0; ms < 600 && !r.robot.is_idle(); ++ms) r.live(1_ms);
+        r.live(8_ms);
         r.wire.faults() = {};
+        for (int ms = 0; ms < 600 && !r.robot.is_idle(); ++ms) r.live(1_ms);
         CHECK_FALSE(r.robot.last());
-        if (r.robot.state() != drive_state::enabled) continue;
+        REQUIRE(r.robot.state() == drive_state::enabled);
+        CHECK_FALSE(r.robot.is_changing_speed());
         CHECK(r.robot.begin(full) == errc::ok);
         r.live(10_ms);
         CHECK(ordered() <= static_cast<int>(r.speeds().left) + 5);

@@ -204,7 +204,6 @@ template <const auto& Plan, class Line, class... Drives> class cyclic_reads {
         std::size_t best = none;
         duration waited{};
         duration next = longest_pause;
-        bool is_any_lost = false; // such a read is due as soon as its drive is known
         for (std::size_t i = 0; i < size; ++i) {
             const state& s = states_[i];
             const duration ahead = since(now, s.due); // beyond a period the clock has jumped or wrapped
@@ -213,14 +212,14 @@ template <const auto& Plan, class Line, class... Drives> class cyclic_reads {
             } else if (is_asked_less(i, now) && since(last_retry_, now) < Plan.rules().retry_every) {
                 next = shorter_of(next, Plan.rules().retry_every - since(last_retry_, now));
             } else if (!is_known(i)) {
-                is_any_lost = true;
+                continue; // it is due as soon as its drive is known: `drop_values_of_lost_drives` ends the pause
             } else if (best == none || since(s.due, now) > waited) {
                 best = i;
                 waited = since(s.due, now);
             }
         }
         searched_at_ = now;
-        pause_ = best == none && !is_any_lost ? next : duration{};
+        pause_ = best == none ? next : duration{};
         if (best == none) return shorter_of(next, longest_idle);
         schedule(best, now);
         begin(best);

@@ -77,10 +77,9 @@ template <class Link> class stepped_request {
     // cppcheck-suppress returnTempReference ; it is the client itself
     template <class Client> static constexpr Link& link_of(Client& of) { return of.link_for(stepped_key{}); }
 
-    /// Errors: `busy` while a call is under way, which goes on; `bad_argument`.
+    /// No call is under way. Errors: `bad_argument`.
     constexpr errc begin_read(std::uint8_t* frame, u16 address, std::size_t words,
                               modbus::function code = modbus::function::read_holding_registers) {
-        if (!done()) return errc::busy;
         const auto count = static_cast<u16>(words);
         if (!node().is_valid() || !modbus::detail::is_readable(code, address, count))
             return refused(errc::bad_argument);

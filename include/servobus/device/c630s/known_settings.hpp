@@ -64,7 +64,7 @@ constexpr void note_servo_off(prepared_command& c, cached_settings& known) {
     if (c.then != effect::disabled_for_reset) return;
     const bool is_set_up = known.state == drive_state::disabled;
     c = {.steps = is_set_up ? routine{routines::fault_reset} : routine{routines::fault_reset_before_set_up},
-         .arguments = {0, is_set_up ? terminal::marker : std::uint16_t{0}},
+         .arguments = {known.inputs, is_set_up ? terminal::marker : std::uint16_t{0}},
          .then = effect::reset};
 }
 

@@ -287,7 +287,7 @@ inline constexpr step fault_reset[] = {
     steps::write<alarm_reset>(action::none),
     steps::write<alarm_reset>(action::execute), until_healthy,
     steps::write<alarm_reset>(action::none),
-    set_marker, has_marker,
+    inputs_are_known, set_marker, // a restart has lost the marker
 };
 /// Before the set-up no output tells of a fault: the alarm code does, and of a warning too.
 inline constexpr step until_no_alarm = steps::until_bits<recorded_alarm>(0xFFFF, 0, state_change_ms, errc::faulted);

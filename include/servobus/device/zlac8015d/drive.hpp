@@ -73,8 +73,8 @@ template <class Line, class Model = model> class basic_drive : public facade<Mod
     constexpr motion_check motion() const { return this->model().motion(); }
 
     /// Where the last move has come to, by the last feedback; `none` in the state `needs_init`, after `init` until the
-    /// next move, since a restart changes the positions, and from the begin of a move of these wheels until it has
-    /// started.
+    /// next move, since a restart changes the positions, from the begin of a move of these wheels until it has started,
+    /// and after one that was refused, replaced or failed.
     constexpr zlac8015d::arrival arrival(wheels which = wheels::both) const {
         if (this->state() == drive_state::needs_init) return {};
         const auto begins = static_cast<unsigned>(this->current().which) & static_cast<unsigned>(which);

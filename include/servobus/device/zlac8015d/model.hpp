@@ -138,7 +138,7 @@ class model {
         if (c.then == effect::initialised)
             c.steps = c.steps.first(routines::init_size + std::size_t{to_power_cycle_});
         if (c.then == effect::rescaled) to_power_cycle_ = routines::to_set_mark;
-        if (c.then == effect::arrived && (goals_ & c.arguments[0]) == 0) return errc::wrong_state;
+        if (c.then == effect::arrived && goals_of(c.arguments[0]) == 0) return errc::wrong_state;
         motion_ = motion_check::not_asked;
         if (c.then != effect::timeout_set || c.arguments[0] == 0) return errc::ok;
         return c.arguments[0] * 1000u < lost.us + 50'000 ? errc::out_of_range : errc::ok;
@@ -203,7 +203,7 @@ class model {
     }
     /// A motion was replaced that may have started.
     constexpr void preempt(const prepared_command& c) {
-        goals_ = static_cast<std::uint8_t>(goals_ & ~static_cast<unsigned>(c.which));
+        failed_ = static_cast<std::uint8_t>(failed_ | static_cast<unsigned>(c.which));
     }
     /// None of its commands asks.
     static constexpr errc permit(const prepared_command&, const situation&, const settings&) {
@@ -224,14 +224,14 @@ class model {
     /// `w`: the image, which was read `since_start` after the last start.
     constexpr arrival arrival_of(wheels which, const std::uint16_t* w, duration since_start) const {
         arrival a{};
-        const unsigned asked = goals_ & static_cast<unsigned>(which);
+        const unsigned asked = goals_of(static_cast<unsigned>(which));
         if (asked == 0) return a;
         if ((asked & left_bit) != 0) a.left_missing = missing(0, w);
         if ((asked & right_bit) != 0) a.right_missing = missing(1, w);
-        const std::uint16_t left_running = (asked & left_bit) != 0 ? status_flags::left_running_bit : 0;
-        const std::uint16_t right_running = (asked & right_bit) != 0 ? status_flags::right_running_bit : 0;
+        const unsigned running = ((w[0] & status_flags::left_running_bit) != 0 ? left_bit : 0u) |
+                                 ((w[0] & status_flags::right_running_bit) != 0 ? right_bit : 0u);
         const bool is_there = is_still(a.left_missing) && is_still(a.right_missing);
-        if ((w[0] & (left_running | right_running)) != 0 || (!is_there && since_start < start_limit)) {
+        if ((running & asked) != 0 || (!is_there && since_start < start_limit)) {
             a.how = arrival_state::under_way;
         } else {
             a.how = is_there ? arrival_state::reached : arrival_state::stopped_short;
@@ -244,6 +244,8 @@ class model {
         const auto code = static_cast<unsigned>(s);
         return state >> 14 == code || (state >> 6 & 3u) == code;
     }
+    // Of these wheels; none if the last move is one of theirs that has failed.
+    constexpr unsigned goals_of(unsigned which) const { return (failed_ & which) != 0 ? 0u : goals_ & which; }
     // A servo at rest trembles by a few counts.
     static constexpr std::int32_t stillness = 20;
     // A wheel that does not run so long after its start will not.
@@ -296,7 +298,8 @@ class model {
             goal_[i] = pair(target) + (is_relative ? pair(words.data() + routines::before_word + 2 * i) : 0u);
             target += 2;
         }
-        goals_ = static_cast<std::uint8_t>(goals_ | wheel);
+        goals_ = static_cast<std::uint8_t>((goals_ & ~unsigned{failed_}) | wheel);
+        failed_ = 0;
     }
 
     static constexpr motion_check compared(slice<const std::uint16_t> words) {
@@ -310,7 +313,8 @@ class model {
     }
 
     u32 goal_[2]{};
-    std::uint8_t goals_ = 0;          // the wheels that have one
+    std::uint8_t goals_ = 0;  // the wheels that have one
+    std::uint8_t failed_ = 0; // the wheels of moves that were replaced or failed since the last that began
     std::uint8_t to_power_cycle_ = 0; // the steps of an `init` that ask for a restart since 2022h was written
     motion_check motion_ = motion_check::not_asked;
 };

@@ -53,6 +53,7 @@ inline constexpr step until_standstill = steps::until_bits<status_word>(status_f
 // What the running bits say of a wheel that rolls without power, or slows down after a stop, is open
 // [errata B31]: its speed says it too. 0.1 r/min; a servo at rest trembles.
 inline constexpr std::uint16_t slowest_speed = 20;
+inline constexpr step must_be_slow     = steps::expect_within<left_actual_speed, right_actual_speed>(slowest_speed, errc::busy);
 inline constexpr step until_slow       = steps::until_within<left_actual_speed, right_actual_speed>(slowest_speed, longest_ramp_ms);
 inline constexpr step until_locked     = steps::until_bits<status_word>(status_flags::shaft_bits, status_flags::both_locked, state_change_ms);
 inline constexpr step until_healthy    = steps::until_bits<left_faults, right_faults>(0xFFFF, 0, state_change_ms, errc::faulted);
@@ -96,7 +97,7 @@ inline constexpr std::uint8_t to_set_mark = 3; ///< likewise, if it is not known
 /// enabled the mode itself would act on an old one. A restart loses the mode: if it still stands at the end,
 /// so does what was read and written behind it, and the shafts are not just locked by 2007h.
 inline constexpr step enable_velocity[] = {
-    must_stand, must_be_healthy,
+    must_stand, must_be_slow, must_be_healthy,
     clear_speed, read_back_speed, clear_torque, read_back_torque,
     steps::write<mode_of_operation>(operating_mode::velocity),
     steps::expect<mode_of_operation>(operating_mode::velocity),
@@ -105,7 +106,7 @@ inline constexpr step enable_velocity[] = {
 
 /// Section 3.3.
 inline constexpr step enable_torque[] = {
-    must_stand, must_be_healthy,
+    must_stand, must_be_slow, must_be_healthy,
     clear_speed, read_back_speed, clear_torque, read_back_torque,
     steps::write<mode_of_operation>(operating_mode::torque),
     steps::expect<mode_of_operation>(operating_mode::torque),
@@ -114,7 +115,7 @@ inline constexpr step enable_torque[] = {
 
 /// Section 3.2. Argument 2: synchronous or not. Position targets act only on a start command.
 inline constexpr step enable_relative_position[] = {
-    must_stand, must_be_healthy,
+    must_stand, must_be_slow, must_be_healthy,
     clear_speed, read_back_speed, clear_torque, read_back_torque,
     steps::write_zero<left_target_position, right_target_position>(),
     steps::expect_zero<left_target_position, right_target_position>(),
@@ -127,7 +128,7 @@ inline constexpr step enable_relative_position[] = {
 
 /// Section 3.2. No position is zeroed here: zero is a place to which an absolute move would go.
 inline constexpr step enable_absolute_position[] = {
-    must_stand, must_be_healthy,
+    must_stand, must_be_slow, must_be_healthy,
     clear_speed, read_back_speed, clear_torque, read_back_torque,
     steps::write<mode_of_operation>(operating_mode::absolute_position),
     steps::expect<mode_of_operation>(operating_mode::absolute_position),
@@ -219,16 +220,16 @@ inline constexpr step drop_mode    = steps::write<mode_of_operation>(operating_m
 inline constexpr step expect_none  = steps::expect<mode_of_operation>(operating_mode::undefined);
 inline constexpr step save_all     = steps::write<save_parameters>(parameter_save::save_all);
 inline constexpr step save_no_more = steps::write<save_parameters>(parameter_save::none);
-inline constexpr step save[]       = {must_stand, drop_mode, expect_none, save_all, save_no_more};
+inline constexpr step save[]       = {must_stand, must_be_slow, drop_mode, expect_none, save_all, save_no_more};
 inline constexpr step restore_all  = steps::write<restore_parameters>(parameter_reset::factory_defaults);
 inline constexpr step factory_reset[] = {must_stand, restore_all};
 /// The factory's resolution is another one. The mark is set before, since a drive may not respond after a reset.
-inline constexpr step reset_resolution[] = {must_stand, set_mark, expect_mark, restore_all};
+inline constexpr step reset_resolution[] = {must_stand, must_be_slow, set_mark, expect_mark, restore_all};
 
 inline constexpr step set_host_timeout[] = {steps::write_arguments<host_timeout>(), steps::expect_arguments<host_timeout>()};
 /// 2022h counts from the next power-on after a save. Read back at the end too: a restart before the save loses it.
 inline constexpr step set_resolution[]   = {
-    must_stand, steps::write_arguments<speed_resolution>(), steps::expect_arguments<speed_resolution>(),
+    must_stand, must_be_slow, steps::write_arguments<speed_resolution>(), steps::expect_arguments<speed_resolution>(),
     drop_mode, expect_none, save_all, save_no_more, set_mark, expect_mark, same_scale};
 inline constexpr step same_resolution[]  = {same_scale};
 

@@ -224,6 +224,8 @@ class c630s_core : protected c630s_outputs {
         if (is_emergency()) {
             abort_homing();
             interrupt();
+            inputs_.drop_edges();
+            if (wait_ > 0) --wait_; // the brake takes no longer
             wanted_speed_ = 0;
             stop_and_hold();
             return end_bus_stop();
