@@ -138,9 +138,10 @@ struct event_counts {
     std::uint64_t wire_frames = 0;    ///< that were judged on the wire, in runs of fleets
     std::uint64_t arrivals = 0;       ///< waits for the end of a move that were reported done
     std::uint64_t plights = 0;        ///< faults and inputs that made a drive of a facade unable to move
-    std::uint64_t beside_the_bus = 0; ///< requests of the program's own that got a response
-    std::uint64_t not_in_plan = 0;    ///< that the plan refused
-    std::uint64_t gone_asked = 0;     ///< that were sent to a node that is gone
+    std::uint64_t enabled_over_targets = 0; ///< enables of a drive whose targets were not zero
+    std::uint64_t beside_the_bus = 0;       ///< requests of the program's own that got a response
+    std::uint64_t not_in_plan = 0;          ///< that the plan refused
+    std::uint64_t gone_asked = 0;           ///< that were sent to a node that is gone
     std::uint64_t undetected_returns =
         0; ///< returned writes that no earlier failure shows to be possible echoes
     std::uint64_t detected_returns = 0; ///< and those that one does
@@ -171,6 +172,7 @@ struct event_counts {
                     static_cast<unsigned long long>(gone_asked));
         std::printf("; %llu arrivals and %llu faults and wired stops of a facade's drive judged",
                     static_cast<unsigned long long>(arrivals), static_cast<unsigned long long>(plights));
+        std::printf(", %llu enables over old targets", static_cast<unsigned long long>(enabled_over_targets));
         std::printf(" (%llu operations succeeded, %llu met nothing that excused a failure); struck:",
                     static_cast<unsigned long long>(succeeded),
                     static_cast<unsigned long long>(had_to_succeed));
@@ -207,6 +209,7 @@ struct event_counts {
             check(text(kind), struck[i], is_rare ? 5 : 100);
         }
         check("writes returned after a failure", detected_returns, 25);
+        check("enables over old targets", enabled_over_targets, 2);
         return is_met;
     }
 

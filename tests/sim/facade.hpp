@@ -29,6 +29,7 @@ struct errand {
     bool is_init = false;
     bool is_stop = false;
     bool enables = false;                   ///< it may energise the motor once
+    bool disables = false;                  ///< as a part of it, beside a stop
     bool moves = false;                     ///< it may begin a motion
     std::function<bool()> is_carried_out{}; ///< by the simulated drive; empty if it cannot be checked
     std::function<bool()> has_arrived{};    ///< of a wait for the end of a move: the motor is at its target
@@ -78,7 +79,7 @@ class facade {
     // What `truth_watch` compares
     virtual bool says_enabled() const = 0;
     virtual bool says_reached() const = 0;
-    /// The motor has power, no fault, and no input keeps it stopped.
+    /// The motor has power, no fault and a free shaft, and no input keeps it stopped.
     virtual bool is_able() = 0;
     /// The feedback shows why it is not, by the interpretation of the manual.
     virtual bool shows_plight() { return true; }

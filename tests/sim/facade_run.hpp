@@ -47,6 +47,7 @@ class facade_run {
         mishaps_.begin();
         note_unknown();
         is_of_moves_ = on.one_in(2);
+        is_patient_ = on.one_in(2);
         for (int i = 0; i < commands; ++i) one();
         on.log->remark(on.now(), "all faults end");
         on.chance = 0;
@@ -106,7 +107,8 @@ class facade_run {
         look();
         mishaps_.draw();
         on.is_struck = on.now() < off_until_ || on.now() < on.sounding_until || mishaps_.is_near();
-        was_restarted_ = has_suffered_ = false;
+        was_restarted_ = false;
+        has_suffered_ = truth_.is_plight_hidden();
         if (on.one_in(30)) plan_restart();
         if (on.one_in(is_of_moves_ ? 6 : 15)) plan_plight();
         if (on.one_in(4)) poll(on.between(1'000, 600'000));
@@ -150,7 +152,7 @@ class facade_run {
         while (!driven_->is_idle()) {
             in_.port().begin_turn();
             const servobus::duration idle = driven_->step();
-            if (may_be_cut_short && on.one_in(400) && !driven_->is_idle()) preempted();
+            if (may_be_cut_short && on.one_in(is_patient_ ? 8'000 : 400) && !driven_->is_idle()) preempted();
             const bool does_clock_fail = guard.has_failed(in_.line().now());
             if ((does_clock_fail && !on.does_clock_lie) || on.now() - on.stalled_us - begun > 400'000'000)
                 throw broken{"G29: a command does not end"};
@@ -271,8 +273,11 @@ class facade_run {
     std::uint32_t cut_ = 0; ///< requests that were given up while they left
     bool is_unknown_ = false;
     bool is_of_moves_ = false; ///< most commands are moves and waits for their ends
+    bool is_patient_ =
+        false; ///< few commands are preempted, so that the drive is enabled for most of the run
     bool was_restarted_ = false;
-    bool has_suffered_ = false; ///< a fault or an input has acted on the drive during the command
+    bool has_suffered_ =
+        false; ///< a fault or an input has acted on the drive during the command, or a hidden one lasted
 };
 
 } // namespace trial

@@ -73,8 +73,9 @@ class servo final : public facade_of<servo_participant, servobus::c630s::drive<p
         case 1: return begin_stop(on);
         case 2: return begin(read_feedback{}, {.name = "read feedback"});
         case 3:
-            return begin(fault_reset{},
-                         {.name = "fault reset", .is_carried_out = [this] { return is_off(); }});
+            return begin(fault_reset{}, {.name = "fault reset", .disables = true, .is_carried_out = [this] {
+                                             return is_off();
+                                         }});
         case 4: return be_enabled_in(on);
         default: return move(on);
         }
@@ -139,7 +140,12 @@ class servo final : public facade_of<servo_participant, servobus::c630s::drive<p
     bool has_witness() const override { return is_marked_; }
     bool shows_restarts() const override { return is_marked_; }
 
-    bool is_able() override { return view::is_energised(model()) && !view::has_fault(model()); }
+    bool is_able() override {
+        return !shows_plight() && !is_blocked_ &&
+               !model().is_active(servobus::c630s::input_function::emergency_stop);
+    }
+    // An enabled drive holds its position while that input is on, and obeys nothing.
+    bool shows_plight() override { return !view::is_energised(model()) || view::has_fault(model()); }
     bool is_enabled_by_level() const override { return true; }
     bool has_goal() const override { return expected_end_.is_known(); }
     // A command that ended within 20 reference units of the target, and the motor within P05-21 of that.
@@ -162,13 +168,13 @@ class servo final : public facade_of<servo_participant, servobus::c630s::drive<p
         switch (on.random.below(3)) {
         case 0: return model().raise(0x620);
         case 1: return view::press_stop(model());
-        default: return model().block_shaft(true);
+        default: return block(true);
         }
     }
     void recover() override {
         view::end_fault(model());
         view::release_stop(model());
-        model().block_shaft(false);
+        block(false);
     }
 
     bool is_stop(servobus::bytes frame) const override {
@@ -197,6 +203,8 @@ class servo final : public facade_of<servo_participant, servobus::c630s::drive<p
         return servobus::words_view{servobus::bytes{raw}.first(2 * words.size())};
     }
     using c630s_time = servobus::c630s::time;
+
+    bool is_start_level() const { return chosen<servobus::sim::c630s_options>().segment_start_is_level; }
 
     // The factory's gear: 10000 reference units a revolution of 131072 encoder counts.
     static std::int64_t counts_of(std::int64_t reference_units) { return reference_units * 131'072 / 10'000; }
@@ -252,15 +260,22 @@ class servo final : public facade_of<servo_participant, servobus::c630s::drive<p
             return begin(segment{1, 10 * wanted * reference_unit, 300 * r_per_min}, {.name = "segment"});
         const servobus::errc refusal = begin(
             start_segment{1}, {.name = "start segment", .moves = true, .is_carried_out = [this, before] {
-                                   return starts() == before + 1;
+                                   // Where the function is a level, nothing starts [errata C23].
+                                   return starts() == before + !is_start_level();
                                }});
         constexpr auto way = position_segment_displacements[0];
         if (refusal == servobus::errc::ok) expected_end_.command(counts_of(model().in_force(way.address)));
         return refusal;
     }
 
+    void block(bool is_blocked) {
+        is_blocked_ = is_blocked;
+        model().block_shaft(is_blocked);
+    }
+
     expected_end expected_end_;
     bool is_marked_ = false;
+    bool is_blocked_ = false; ///< its shaft
 };
 
 } // namespace trial

@@ -23,6 +23,8 @@ class truth_watch {
     /// The drive restarts and responds from `up_at` on.
     void restarted(std::uint64_t up_at) {
         was_restarted_ = true;
+        is_shown_ = is_held_back_ = false; // what was read before is not true any more
+        is_stopping_ = is_unable_ && !of_->is_idle();
         up_at_ = up_at;
         reads_since_restart_ = 0;
     }
@@ -66,7 +68,9 @@ class truth_watch {
         if (needs_stop_ && !is_stop && can_know)
             throw broken{"S3: the first request after the stop by the drive's watchdog is no stop"};
         needs_stop_ = false;
-        if (of_->changes_mode(frame) && !of_->stands())
+        // Wheels that were given a speed just before are read at rest before they turn.
+        const bool was_set_going = set_going_at_ != 0 && since(set_going_at_) < 300'000;
+        if (of_->changes_mode(frame) && !of_->stands() && !was_set_going)
             throw broken{"S3: the mode is changed while the motor turns"};
         is_asked_while_unable_ =
             of_->is_feedback(frame) && is_suffering_ && !of_->is_able() && of_->shows_plight();
@@ -101,6 +105,7 @@ class truth_watch {
         const errand& wanted = of_->wanted();
         const bool is_done = static_cast<bool>(of_->last());
         is_under_way_ = false;
+        if (wanted.moves) set_going_at_ = clock();
         if (is_done && wanted.has_arrived) {
             ++on_->count->arrivals;
             if (!wanted.has_arrived() && !is_restart_hidden())
@@ -130,7 +135,7 @@ class truth_watch {
     // What the drive does is not known meanwhile.
     bool is_in_transition() const {
         const errand& wanted = of_->wanted();
-        return is_under_way_ && (wanted.is_init || wanted.is_stop || wanted.enables);
+        return is_under_way_ && (wanted.is_init || wanted.is_stop || wanted.enables || wanted.disables);
     }
 
     void look_at_ability() {
@@ -145,8 +150,9 @@ class truth_watch {
         }
         if (is_in_transition()) is_shown_ = is_held_back_ = is_asked_while_unable_ = false;
         if (is_able || is_in_transition()) reads_since_restart_ = 0;
+        is_stopping_ = is_stopping_ && !of_->is_idle();
         if (!of_->says_enabled()) return;
-        if (is_shown_)
+        if (is_shown_ && !is_stopping_)
             throw broken{"G35: the drive is faulted or has no power, and the feedback after that has been "
                          "read, but the "
                          "facade says that it is enabled"};
@@ -176,20 +182,22 @@ class truth_watch {
 
     const scene* on_;
     facade* of_;
-    std::uint64_t unable_at_ = 0;  ///< as all times here, without the stalls before
-    std::uint64_t first_read_ = 0; ///< of the feedback since the restart
-    std::uint64_t up_at_ = 0;      ///< with the stalls
+    std::uint64_t unable_at_ = 0;    ///< as all times here, without the stalls before
+    std::uint64_t set_going_at_ = 0; ///< the end of a command that moves; 0 if there was none
+    std::uint64_t first_read_ = 0;   ///< of the feedback since the restart
+    std::uint64_t up_at_ = 0;        ///< with the stalls
     std::uint32_t enables_ = 0;
     std::uint32_t starts_ = 0;
     std::uint32_t enables_left_ = 0;
     std::uint32_t starts_left_ = 0;
     unsigned reads_since_restart_ = 0;
-    bool is_under_way_ = false;           ///< a command has not been reported to have ended
-    bool is_first_of_init_ = false;       ///< the next request is the first of an initialisation
-    bool is_suffering_ = false;           ///< a fault or an input has acted on the drive
-    bool is_unable_ = false;              ///< because of that it has no power
-    bool is_shown_ = false;               ///< the feedback after that was read
-    bool is_held_back_ = false;           ///< it was read, but may wait for the next frame
+    bool is_under_way_ = false;     ///< a command has not been reported to have ended
+    bool is_first_of_init_ = false; ///< the next request is the first of an initialisation
+    bool is_stopping_ = false;      ///< it restarted while a fault stopped it: the end of the stop shows that
+    bool is_suffering_ = false;     ///< a fault or an input has acted on the drive
+    bool is_unable_ = false;        ///< because of that it has no power
+    bool is_shown_ = false;         ///< the feedback after that was read
+    bool is_held_back_ = false;     ///< it was read, but may wait for the next frame
     bool is_asked_while_unable_ = false;  ///< by the last request
     bool is_asked_after_restart_ = false; ///< likewise
     bool began_unable_ = false;           ///< the command, longer after that than it takes to show

@@ -27,8 +27,15 @@ class wheels final : public facade_of<wheels_participant, servobus::zlac8015d::d
     servobus::errc begin_any(scene& on) override {
         using namespace servobus::zlac8015d;
         if (drive.state() == drive_state::needs_init && !on.one_in(4)) return initialise();
+        if (view::has_fault(model()) && !needs_init() && !on.one_in(4)) return reset_faults();
         const bool is_enabled = drive.state() == drive_state::enabled;
         if (is_enabled && !stands() && on.one_in(3)) return be_enabled_in(on);
+        // A disable leaves the targets in their registers, and the next enable meets them.
+        if (is_enabled && old_targets() != 0 && on.one_in(3)) return begin_end();
+        if (drive.state() == drive_state::disabled && old_targets() != 0) {
+            ++on.count->enabled_over_targets;
+            return be_enabled_in(on);
+        }
         switch (on.random.below(12)) {
         case 0: return initialise();
         case 1: return begin_stop(on);
@@ -36,16 +43,18 @@ class wheels final : public facade_of<wheels_participant, servobus::zlac8015d::d
         case 3:
             if (is_enabled)
                 return begin(wait_standstill{},
-                             {.name = "wait for standstill", .is_carried_out = [this] { return stands(); }});
-            return begin(fault_reset{},
-                         {.name = "fault reset", .is_carried_out = [this] { return is_off(); }});
+                             {.name = "wait for standstill",
+                              // Wheels that were given a speed just before stood as they were read.
+                              .is_carried_out = [this] { return stands() || motion() != 0; }});
+            return reset_faults();
         case 4: return be_enabled_in(on);
         default: return is_enabled || needs_init() ? move(on) : be_enabled_in(on);
         }
     }
     servobus::errc begin_move_or_wait(scene& on) override {
         using namespace servobus::zlac8015d;
-        if (drive.state() != drive_state::enabled) return needs_init() ? begin_any(on) : enable_for_moves(on);
+        const bool is_well = !needs_init() && !view::has_fault(model());
+        if (drive.state() != drive_state::enabled) return is_well ? enable_for_moves(on) : begin_any(on);
         if (is_in_speed() || is_in_torque()) return on.one_in(4) ? begin_end() : begin_any(on);
         if (on.one_in(12)) return begin_stop(on);
         if (on.one_in(2)) return move_in_position(on);
@@ -230,10 +239,14 @@ class wheels final : public facade_of<wheels_participant, servobus::zlac8015d::d
             begin(m, {.name = "move", .moves = true, .is_carried_out = [this, before] {
                           return starts() == before + 1;
                       }});
-        if (refusal != servobus::errc::ok) return refusal;
         const bool is_place = drive.cached().mode == mode::absolute_position;
-        if ((which & 1u) != 0) expected_ends_[0].command(number, is_place);
-        if ((which & 2u) != 0) expected_ends_[1].command(number, is_place);
+        for (std::size_t i = 0; i < 2; ++i) {
+            if ((which & 1u << i) == 0) continue;
+            if (refusal == servobus::errc::ok) expected_ends_[i].command(number, is_place);
+            // A move that is refused is the last one all the same.
+            else if (refusal != servobus::errc::busy)
+                expected_ends_[i].forget();
+        }
         return refusal;
     }
     servobus::errc move_in_position(scene& on) {
@@ -258,6 +271,15 @@ class wheels final : public facade_of<wheels_participant, servobus::zlac8015d::d
         return begin(servobus::zlac8015d::init{}, {.name = "init", .is_init = true, .is_carried_out = [this] {
                                                        return is_off() && stands();
                                                    }});
+    }
+    servobus::errc reset_faults() {
+        return begin(servobus::zlac8015d::fault_reset{},
+                     {.name = "fault reset", .is_carried_out = [this] { return is_off(); }});
+    }
+    std::uint64_t old_targets() {
+        using namespace servobus::zlac8015d;
+        return targets(left_target_speed.address, right_target_speed.address) |
+               targets(left_target_torque.address, right_target_torque.address);
     }
     servobus::errc be_enabled_in(scene& on) {
         static constexpr mode modes[] = {mode::velocity, mode::velocity, mode::torque,

@@ -120,6 +120,7 @@ class world {
             wire_.pass(servobus::duration{static_cast<std::uint32_t>(step)});
         }
         port_.look();
+        scene_.hide_pause(); // also one of a response that came meanwhile
     }
 
     /// A node on the line sends without pause for a time. Returns the time at which it ends.
