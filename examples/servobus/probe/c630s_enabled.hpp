@@ -7,13 +7,13 @@
 
 #include <cstdint>
 
-#include "c630s_at_rest.hpp"
+#include "c630s_hands.hpp"
 
 namespace tool {
 
-class c630s_enabled : public c630s_at_rest {
+class c630s_enabled : public c630s_hands {
   protected:
-    using c630s_at_rest::c630s_at_rest;
+    using c630s_hands::c630s_hands;
 
     void prepare_enable(servobus::c630s::control_mode mode) {
         namespace c = servobus::c630s;
