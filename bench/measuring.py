@@ -60,11 +60,11 @@ def recorded_with(compiler, path):
     return {name: figures for name, *figures in recorded(path)} if version_of(compiler) in first else None
 
 
-def is_near(counted, known, name):
-    """False if a figure is more than 1 % from the recorded one, or none is recorded."""
+def is_near(counted, known, name, percent=1):
+    """False if a figure is more than so far from the recorded one, or none is recorded."""
     if known is None:
         return True
-    return name in known and abs(counted - int(known[name][0])) * 100 <= int(known[name][0])
+    return name in known and abs(counted - int(known[name][0])) * 100 <= percent * int(known[name][0])
 
 
 def need_compiler():

@@ -5,12 +5,12 @@
 Compiling: the instructions that the compilers execute for a program that makes a bus of the plan, steps it and asks for
 the values of each read. They are counted for 31 reads and for 247, one of each node that a line can have. Fails if each
 further read costs more than its bound (for g++ 12 and clang++ 14): the compiler's work must not grow with the square of
-the number of reads. Fails if a figure is more than 1 % from bench/figures/plan_cost.tsv, with the same compiler.
+the number of reads. Fails if a figure is more than NEAR from bench/figures/plan_cost.tsv, with the same compiler.
 
 Running: the instructions of a step while no read is due (bench_idle_step.cpp). Fails if they are more with 60 reads
 than with 2, but for a tenth.
 
-Valgrind counts them, so they are the same in every run with one compiler.
+Valgrind counts them, so they are the same in every run with one compiler in one folder.
 
 plan_cost.py [--record]    --record: writes the compilers' figures there, and into bench/README.md
 """
@@ -21,6 +21,8 @@ from measuring import ROOT, built, compiler_instructions, is_near, record, recor
 
 FEW, MANY = 31, 247
 BOUNDS = {"g++": 6470, "clang++": 9300}  # thousands
+# Per cent. What clang++ does in its tables depends on the path of the folder: 1.2 % between two of them.
+NEAR = {"g++": 1, "clang++": 3}
 FIGURES = "bench/figures/plan_cost.tsv"
 COMMENT = "# compiler, thousand instructions that it executes for each further read"
 HEAD = """#include <servobus/servobus.hpp>
@@ -53,7 +55,7 @@ def print_costs(compiler):
     thousands = (counted[many] - counted[few]) // (MANY - FEW) // 1000
     verdict = "" if thousands <= BOUNDS[compiler] else "  ABOVE ITS BOUND"
     known = recorded_with(compiler, FIGURES)
-    if not is_recording and not is_near(thousands, known, compiler):
+    if not is_recording and not is_near(thousands, known, compiler, NEAR[compiler]):
         verdict += f"  RECORDED: {known.get(compiler, ['nothing'])[0]}"
     lines.append(f"{compiler}\t{thousands}")
     print(f"{compiler:10}{thousands:10}{BOUNDS[compiler]:10}{verdict}")

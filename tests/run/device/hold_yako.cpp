@@ -499,4 +499,3 @@ TEST_CASE_TEMPLATE("S4: a hold stops within its reach under every interpretation
 }
 
 } // namespace hold_yako_tests
-
