@@ -273,11 +273,9 @@ class facade_run {
     std::uint32_t cut_ = 0; ///< requests that were given up while they left
     bool is_unknown_ = false;
     bool is_of_moves_ = false; ///< most commands are moves and waits for their ends
-    bool is_patient_ =
-        false; ///< few commands are preempted, so that the drive is enabled for most of the run
+    bool is_patient_ = false;  ///< few commands are preempted
     bool was_restarted_ = false;
-    bool has_suffered_ =
-        false; ///< a fault or an input has acted on the drive during the command, or a hidden one lasted
+    bool has_suffered_ = false; ///< by a fault or an input during the command, or by a hidden one before it
 };
 
 } // namespace trial

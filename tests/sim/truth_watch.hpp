@@ -152,7 +152,7 @@ class truth_watch {
         if (is_able || is_in_transition()) reads_since_restart_ = 0;
         is_stopping_ = is_stopping_ && !of_->is_idle();
         if (!of_->says_enabled()) return;
-        // What a stop by the facade itself reads is judged as it ends.
+        // A stop by the facade itself is judged by what it has read, as it ends.
         const bool stops_by_itself = is_stopping_ || (!is_under_way_ && !of_->is_idle());
         if (is_shown_ && !stops_by_itself)
             throw broken{"G35: the drive is faulted or has no power, and the feedback after that has been "

@@ -53,6 +53,7 @@ TEST_CASE("S3: no mode is written to wheels that coast after a wired stop, whate
         const std::size_t before = r.log.frames.size();
         CHECK(r.drive.run(enable_in{checked(operating_mode::relative_position)}).error() == errc::busy);
         CHECK(r.drive.run(save{}).error() != errc::ok);
+        CHECK(r.drive.run(factory_reset{sole_drive_on_the_line{}}).error() != errc::ok);
         for (std::size_t i = before; i < r.log.frames.size(); ++i)
             CHECK_FALSE(
                 (r.log.frames[i][1] == 6 && load_word(r.log.frames[i], 2) == mode_of_operation.address));

@@ -219,7 +219,7 @@ TEST_CASE("the frames of a ZLAC8015D's speeds, currents and settings, and what e
     expect(frames_of(r, off, park{off_on::on}), "200C=0001");
     expect(frames_of(r, off, quick_stop_by{quick_stop_option{5}}), "2011=0005");
     expect(frames_of(r, off, factory_reset{sole_drive_on_the_line{}}),
-           "20A2: busy - \" \" \" \" \" \" \" \" \", 2009=0001");
+           "20A2: busy - \" \" \" \" \" \" \" busy \", 2009=0001");
 }
 
 } // namespace frames_of_rarer_commands_tests

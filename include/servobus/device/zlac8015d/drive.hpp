@@ -74,7 +74,7 @@ template <class Line, class Model = model> class basic_drive : public facade<Mod
 
     /// Where the last move has come to, by the last feedback; `none` in the state `needs_init`, after `init` until the
     /// next move, since a restart changes the positions, from the begin of a move of these wheels until it has started,
-    /// and after one that was refused, replaced or failed.
+    /// and after one that was replaced, failed, or was refused otherwise than as `busy`.
     constexpr zlac8015d::arrival arrival(wheels which = wheels::both) const {
         if (this->state() == drive_state::needs_init) return {};
         const auto begins = static_cast<unsigned>(this->current().which) & static_cast<unsigned>(which);

@@ -244,7 +244,7 @@ class model {
         const auto code = static_cast<unsigned>(s);
         return state >> 14 == code || (state >> 6 & 3u) == code;
     }
-    // Of these wheels; none if the last move is one of theirs that has failed.
+    // The goals of these wheels; none if a move of theirs has failed since the last that began.
     constexpr unsigned goals_of(unsigned which) const { return (failed_ & which) != 0 ? 0u : goals_ & which; }
     // A servo at rest trembles by a few counts.
     static constexpr std::int32_t stillness = 20;

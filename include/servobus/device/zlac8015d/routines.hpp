@@ -222,7 +222,7 @@ inline constexpr step save_all     = steps::write<save_parameters>(parameter_sav
 inline constexpr step save_no_more = steps::write<save_parameters>(parameter_save::none);
 inline constexpr step save[]       = {must_stand, must_be_slow, drop_mode, expect_none, save_all, save_no_more};
 inline constexpr step restore_all  = steps::write<restore_parameters>(parameter_reset::factory_defaults);
-inline constexpr step factory_reset[] = {must_stand, restore_all};
+inline constexpr step factory_reset[] = {must_stand, must_be_slow, restore_all};
 /// The factory's resolution is another one. The mark is set before, since a drive may not respond after a reset.
 inline constexpr step reset_resolution[] = {must_stand, must_be_slow, set_mark, expect_mark, restore_all};
 
