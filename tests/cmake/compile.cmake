@@ -1,8 +1,9 @@
 # SPDX-FileCopyrightText: The servobus authors
 # SPDX-License-Identifier: BSL-1.0
 #
-# Programs that must not compile, a test for each, and the page that is made of them. A test is the compiler alone: it
-# passes if there is an error, and a line of it has the words after EXPECT. Where figures are expected too, fail/programs.py looks for both.
+# Programs that must not compile, a test for each, and the page that is made of them. A test passes if the compiler prints
+# an error, and a line of it has the words after EXPECT. Where nothing that the program includes has changed since it was
+# compiled, its error is printed again (fail/as_before.sh). Where figures are expected too, fail/programs.py looks for both.
 file(GLOB wrong_programs CONFIGURE_DEPENDS RELATIVE ${CMAKE_CURRENT_SOURCE_DIR}/fail fail/*.cpp)
 list(REMOVE_ITEM wrong_programs control.cpp)
 separate_arguments(given_flags NATIVE_COMMAND "${CMAKE_CXX_FLAGS}")
@@ -46,7 +47,8 @@ foreach(program IN LISTS wrong_programs)
   if(NOT is_alone)
     list(APPEND flags ${fail_before})
   endif()
-  check(fail.${name} LABELS ${labels} COMMAND ${compiler} ${flags} tests/fail/${program})
+  check(fail.${name} LABELS ${labels}
+        COMMAND sh tests/fail/as_before.sh ${fail_folder}/${name} ${compiler} ${flags} tests/fail/${program})
   set_tests_properties(fail.${name} PROPERTIES FIXTURES_REQUIRED fail_header
                        PASS_REGULAR_EXPRESSION
                        "error: (.*\n[^\n]*(error|note|in call to|expansion of|static assertion))?[^\n]*${expected}")

@@ -10,7 +10,7 @@ target_link_libraries(tool_with_winch PRIVATE servobus::servobus strict_warnings
 # A build without a type is for tests: it compiles quickly, and its programs are quick enough.
 if(NOT CMAKE_BUILD_TYPE)
   foreach(program servobus_tool_parts servobus_wheels servobus_stepper servobus_servo servobus_robot)
-    target_compile_options(${program} PRIVATE -O1)
+    target_compile_options(${program} PRIVATE $<IF:$<BOOL:${SERVOBUS_QUICK}>,-O0,-O1>)
   endforeach()
 endif()
 

@@ -47,7 +47,10 @@ if(SERVOBUS_QUICK)
   set(busy_sources)
 endif()
 
-# unit_objects(NAME LEVEL SOURCE...): one unit for each folder, or for forty of its sources.
+# unit_objects(NAME LEVEL SOURCE...): one unit for each folder, or for forty of its sources. Tests of lower rooms that use a
+# drive are a unit of their own: the others need no compiler after a change of control.
+set(lower_rooms client line modbus registers tool)
+set(uses_a_drive "<servobus/(bus/plan|bus/bus|control/|device/[a-z0-9]+(/drive)?\\.hpp)|<tests/support/(driven|simulated)")
 function(unit_objects name level)
   add_library(${name} OBJECT ${ARGN})
   target_link_libraries(${name} PRIVATE unit_settings)
@@ -57,6 +60,10 @@ function(unit_objects name level)
   foreach(source IN LISTS ARGN)
     get_filename_component(folder ${source} DIRECTORY)
     get_filename_component(folder ${folder} NAME)
+    file(STRINGS ${source} drives REGEX "^#include (${uses_a_drive})")
+    if(folder IN_LIST lower_rooms AND drives)
+      set(folder lower_with_drives)
+    endif()
     list(APPEND of_${folder} ${source})
     list(LENGTH of_${folder} count)
     math(EXPR unit "(${count} - 1) / 40")

@@ -13,7 +13,7 @@
 #include <utility>
 #include <vector>
 
-#include <servobus/servobus.hpp>
+#include <tests/support/line_and_client.hpp>
 
 #include "scripted_port.hpp"
 

@@ -15,7 +15,7 @@
 #include <doctest/doctest.h>
 
 #include <servobus/line/blocking_line.hpp>
-#include <servobus/servobus.hpp>
+#include <tests/support/line_and_client.hpp>
 
 #include <tests/support/scripted_port.hpp>
 #include <tests/support/worn_device.hpp>

@@ -6,7 +6,7 @@
 
 #include <cstdint>
 
-#include <servobus/servobus.hpp>
+#include <tests/support/line_and_client.hpp>
 
 #include "scripted_port.hpp"
 

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include <servobus/modbus/server.hpp>
-#include <servobus/servobus.hpp>
+#include <tests/support/line_and_client.hpp>
 
 namespace simulated {
 

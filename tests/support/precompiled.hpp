@@ -14,6 +14,6 @@
 
 #include <doctest/doctest.h>
 
-#include <servobus/servobus.hpp>
+#include <tests/support/line_and_client.hpp>
 
 #include <tests/support/scripted_port.hpp>

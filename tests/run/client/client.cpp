@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include <servobus/servobus.hpp>
+#include <tests/support/line_and_client.hpp>
 
 #include <tests/support/client_rig.hpp>
 

@@ -10,7 +10,7 @@
 #include <type_traits>
 
 #include <servobus/client/stepped_write.hpp>
-#include <servobus/servobus.hpp>
+#include <tests/support/line_and_client.hpp>
 
 #include <tests/support/scripted_port.hpp>
 

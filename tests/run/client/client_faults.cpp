@@ -9,7 +9,7 @@
 #include <cstdint>
 #include <vector>
 
-#include <servobus/servobus.hpp>
+#include <tests/support/line_and_client.hpp>
 
 #include <tests/support/scripted_port.hpp>
 #include <tests/support/worn_device.hpp>

@@ -8,7 +8,7 @@
 #include <cstdint>
 #include <vector>
 
-#include <servobus/servobus.hpp>
+#include <tests/support/line_and_client.hpp>
 
 #include <tests/support/client_rig.hpp>
 

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include <servobus/client/free_calls.hpp>
-#include <servobus/servobus.hpp>
+#include <tests/support/line_and_client.hpp>
 
 #include <tests/support/scripted_port.hpp>
 

@@ -9,7 +9,7 @@
 #include <cstdint>
 #include <vector>
 
-#include <servobus/servobus.hpp>
+#include <tests/support/line_and_client.hpp>
 
 #include <servobus/client/change_address.hpp>
 #include <servobus/client/scan.hpp>

@@ -11,7 +11,7 @@
 
 #include <servobus/client/identification.hpp>
 #include <servobus/line/blocking_line.hpp>
-#include <servobus/servobus.hpp>
+#include <tests/support/line_and_client.hpp>
 
 #include <tests/support/client_rig.hpp>
 

@@ -15,7 +15,7 @@
 #include <servobus/client/stepped_write.hpp>
 #include <servobus/device/c630s/registers.hpp>
 #include <servobus/device/yako/closed_loop.hpp>
-#include <servobus/servobus.hpp>
+#include <tests/support/line_and_client.hpp>
 
 #include <tests/support/client_rig.hpp>
 

@@ -13,7 +13,7 @@
 #include <servobus/server/changes.hpp>
 #include <servobus/server/request_executor.hpp>
 #include <servobus/server/row_values.hpp>
-#include <servobus/servobus.hpp>
+#include <tests/support/line_and_client.hpp>
 
 #include <tests/support/plain_tables.hpp>
 

@@ -10,10 +10,14 @@
 #include <utility>
 
 #include <servobus/any_device.hpp>
+#include <servobus/bus/bus.hpp>
+#include <servobus/bus/plan.hpp>
+#include <servobus/bus/scheduled_line.hpp>
 #include <servobus/client/stepped_read.hpp>
 #include <servobus/client/stepped_write.hpp>
 #include <servobus/line/blocking_line.hpp>
-#include <servobus/servobus.hpp>
+
+#include <tests/support/line_and_client.hpp>
 
 #include <tests/support/tank.hpp>
 

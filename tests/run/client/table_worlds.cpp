@@ -12,7 +12,7 @@
 
 #include <servobus/any_device.hpp>
 #include <servobus/line/blocking_line.hpp>
-#include <servobus/servobus.hpp>
+#include <tests/support/line_and_client.hpp>
 
 #include <tests/support/tank.hpp>
 

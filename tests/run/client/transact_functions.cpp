@@ -12,7 +12,7 @@
 
 #include <servobus/client/open_responses.hpp>
 #include <servobus/line/blocking_line.hpp>
-#include <servobus/servobus.hpp>
+#include <tests/support/line_and_client.hpp>
 
 #include <tests/support/client_rig.hpp>
 #include <tests/support/functions_reference.hpp>

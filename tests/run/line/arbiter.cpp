@@ -7,7 +7,7 @@
 #include <array>
 #include <cstdint>
 
-#include <servobus/servobus.hpp>
+#include <tests/support/line_and_client.hpp>
 
 #include <tests/support/scripted_port.hpp>
 

@@ -14,7 +14,7 @@
 #include <vector>
 
 #include <servobus/line/blocking_line.hpp>
-#include <servobus/servobus.hpp>
+#include <tests/support/line_and_client.hpp>
 
 #include <tests/support/scripted_port.hpp>
 

@@ -8,7 +8,10 @@
 #include <array>
 #include <cstdint>
 
-#include <servobus/servobus.hpp>
+#include <servobus/bus/plan.hpp>
+#include <servobus/bus/scheduled_line.hpp>
+
+#include <tests/support/line_and_client.hpp>
 
 #include <tests/support/scripted_port.hpp>
 
