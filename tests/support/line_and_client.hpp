@@ -4,13 +4,13 @@
 // What servobus.hpp includes below control: for tests of the lower rooms, which need no compiler after a change above.
 #pragma once
 
-#include <servobus/core/cxx20.hpp>
 #include <servobus/client/client.hpp>
 #include <servobus/client/free_calls.hpp>
 #include <servobus/client/node.hpp>
 #include <servobus/client/stepped_read.hpp>
 #include <servobus/client/stepped_write.hpp>
 #include <servobus/core/bytes.hpp>
+#include <servobus/core/cxx20.hpp>
 #include <servobus/core/result.hpp>
 #include <servobus/core/time.hpp>
 #include <servobus/core/version.hpp>
