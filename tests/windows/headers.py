@@ -49,7 +49,7 @@ check("mingw: a variable called near does not compile after <windows.h>",
       must_fail, "error: ", *BARE, "-include", before, *FROM_INPUT, typed="int near = 1;\n")
 passes("mingw: after windows/serial.hpp there are winsock2.h and std::min, and no macro of ours",
        *BARE, *FROM_INPUT, typed=NO_MACRO_OF_OURS)
-for header in ("clock", "serial", "tcp", "mbap"):
+for header in ("clock", "serial", "tcp", "mbap", "detail/overlapped_transfer"):
     passes(f"mingw: the example in windows/{header}.hpp compiles",
            *BARE, "-Wno-unused", *FROM_INPUT, typed=example_of(header))
 for program in ("stepper", "servo"):
