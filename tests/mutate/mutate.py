@@ -23,7 +23,7 @@ REGISTER_HEADERS = ("block", "coil_value", "register_value", "table_readings", "
 REGISTER_HEADERS += ("catalogue", "profile", "line_choices")
 # Of each device what its facade is made of.
 FACADE_HEADERS = """basic_drive drive model prepared_command commands routines setting_routines set_up_progress moves
-motion feedback hold axis_drive axes robot wheel_step counted_model""".split()
+motion feedback hold axis_drive axes robot robot_model wheel_step counted_model""".split()
 ENOUGH_PERCENT = 95
 
 

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSL-1.0
 //
 // ZLTECH ZLAC8015D: the commands that change the speeds of the wheels, since the last feedback and until the wheels are
-// stopped. zlac8015d/robot.hpp includes it.
+// stopped. zlac8015d/robot_model.hpp includes it.
 //
 //     constexpr bool changes_speeds(const zlac8015d::prepared_command& c) {
 //         zlac8015d::commanded_motion commanded;

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSL-1.0
 //
 // ZLTECH ZLAC8015D: compares the counts of a turn that a program states with the drive's encoder lines, once it is
-// taken over. zlac8015d/robot.hpp and zlac8015d/axes.hpp include it.
+// taken over. zlac8015d/robot_model.hpp and zlac8015d/axes.hpp include it.
 //
 //     static_assert(zlac8015d::counted_model::counts_in(1024) == 4096); // 2030h, 2060h
 #pragma once

@@ -3,7 +3,7 @@
 //
 // ZLTECH ZLAC8015D: setpoints of both wheels that change no faster than limits of acceleration and deceleration allow.
 // The drive's own ramps cannot do that for a stream of setpoints: they begin anew with each [errata B36].
-// zlac8015d/robot.hpp and zlac8015d/axes.hpp include it.
+// zlac8015d/robot_model.hpp and zlac8015d/axes.hpp include it.
 //
 //     constexpr bool begins_slowly() { // 500 r/min in a second are 10 r/min in the first 20 ms
 //         const zlac8015d::shaped_speeds shaped;

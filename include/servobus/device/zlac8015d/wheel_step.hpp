@@ -2,7 +2,8 @@
 // SPDX-License-Identifier: BSL-1.0
 //
 // ZLTECH ZLAC8015D: a wheel's way from one feedback to the next, and the speeds that both show. Together they bound how
-// far the wheel was from a steady way, and show that the drive may have restarted. zlac8015d/robot.hpp includes it.
+// far the wheel was from a steady way, and show that the drive may have restarted.
+// zlac8015d/robot_model.hpp includes it.
 //
 //     constexpr zlac8015d::wheel_image before{.position = 640, .speed = 600}; // 60 r/min
 //     constexpr zlac8015d::wheel_step even{before, {722, 600}, milliseconds(20), 4096};
