@@ -15,6 +15,7 @@
 #include <cstddef>
 #include <cstdint>
 
+#include <servobus/client/detail/row_checks.hpp>
 #include <servobus/client/raw_client.hpp>
 #include <servobus/registers/block.hpp>
 #include <servobus/registers/register_value.hpp>
@@ -85,7 +86,7 @@ class client : public raw_client<Line, Device, Node> {
     requires is_register<R>
     constexpr result<reading<R>> read() {
         using row = row_type<R>;
-        check_row<R>();
+        detail::check_device<Device, R>();
         static_assert(row::rights != access::wo, "this register is write-only");
         if constexpr (detail::is_in_other_table<R>)
             return other::template read_input<R>(*this);
@@ -106,7 +107,7 @@ class client : public raw_client<Line, Device, Node> {
     constexpr result<reading<at<Rows, 0>>> read(std::size_t index) {
         using rows = row_type<Rows>;
         static_assert(rows::rights != access::wo, "this register is write-only");
-        check_row<Rows>();
+        detail::check_device<Device, Rows>();
         if (index >= rows::size) return errc::bad_argument;
         if constexpr (detail::is_in_other_table<Rows>)
             return other::template read_element<Rows>(*this, index);
@@ -127,7 +128,7 @@ class client : public raw_client<Line, Device, Node> {
     /// takes a value out. If one request fails there is no result at all. Errors: as `read<R>()`.
     template <const auto&... Rs>
     requires(sizeof...(Rs) > 1) constexpr result<readings<Rs...>> read() {
-        check_device<Rs...>();
+        detail::check_device<Device, Rs...>();
         if constexpr ((detail::is_in_other_table<Rs> || ...))
             return other::template read_rows<Rs...>(*this);
         else
@@ -139,7 +140,7 @@ class client : public raw_client<Line, Device, Node> {
     template <const auto& R>
     requires is_register<R>
     constexpr status write(register_value<R> value) {
-        check_wear<R>();
+        detail::check_wear<R>();
         return put<R>(value);
     }
 
@@ -151,7 +152,7 @@ class client : public raw_client<Line, Device, Node> {
         if constexpr (detail::has_bits<Rows>) {
             return other::template write_element<Rows, false>(*this, index, value);
         } else {
-            check_wear<at<Rows, 0>>();
+            detail::check_wear<at<Rows, 0>>();
             return put<Rows>(index, value);
         }
     }
@@ -179,7 +180,7 @@ class client : public raw_client<Line, Device, Node> {
         if constexpr ((is_bit<Rs> || ...)) {
             return other::template write_coils<false, false, Rs...>(*this, values...);
         } else {
-            (check_wear<Rs>(), ...);
+            (detail::check_wear<Rs>(), ...);
             return write_block<Rs...>(values...);
         }
     }
@@ -250,7 +251,7 @@ class client : public raw_client<Line, Device, Node> {
     template <const auto& R>
     requires is_register<R>
     constexpr status write_if_different(register_value<R> value) {
-        check_wear<R>();
+        detail::check_wear<R>();
         return put_if_different<R>(value);
     }
     /// As `write_if_different`, for registers that the device keeps at every write: an equal value wears nothing.
@@ -295,8 +296,8 @@ class client : public raw_client<Line, Device, Node> {
     constexpr status broadcast(register_value<R> value) {
         static_assert(!has(R.flags, flag::communication),
                       "a setting of the line goes to one node at a time, never to all of them");
-        check_wear<R>();
-        check_row<R>();
+        detail::check_wear<R>();
+        detail::check_device<Device, R>();
         if (value.error() != errc::ok) return value.error();
         if constexpr (raw::link_type::template are_cached<R>)
             return raw::template changed<true>(write_bits<row_type<R>::words, true>(R.address, value.bits()));
@@ -317,23 +318,8 @@ class client : public raw_client<Line, Device, Node> {
     }
 
   private:
-    template <const auto& R> static constexpr void check_row() {
-        static_assert(belongs_to<typename row_type<R>::device, Device>,
-                      "this register belongs to another device");
-    }
-    template <const auto&... Rs> static constexpr void check_device() {
-        static_assert((belongs_to<typename row_type<Rs>::device, Device> && ...),
-                      "this register belongs to another device");
-    }
-
-    template <const auto& R> static constexpr void check_wear() {
-        static_assert(!has(R.flags, flag::saved_on_write),
-                      "every write of this register wears the drive's EEPROM: store() it, or write it with "
-                      "what ram_only() gives");
-    }
-
     template <const auto& R> constexpr status put(register_value<R> value, const condition& on = {}) {
-        check_row<R>();
+        detail::check_device<Device, R>();
         if (value.error() != errc::ok) return value.error();
         if (!node_.is_valid()) return errc::bad_argument;
         // The answer to a setting of the line may be the last one at this address.
@@ -347,7 +333,7 @@ class client : public raw_client<Line, Device, Node> {
     constexpr status put(std::size_t index, register_value<at<Rows, 0>> value, const condition& on = {}) {
         using rows = row_type<Rows>;
         static_assert(!detail::has_bits<Rows>, "a coil is written or stored without a token");
-        check_row<Rows>();
+        detail::check_device<Device, Rows>();
         if (index >= rows::size) return errc::bad_argument;
         if (value.error() != errc::ok) return value.error();
         const u16 address = Rows[index].address;
@@ -359,7 +345,7 @@ class client : public raw_client<Line, Device, Node> {
     template <const auto& R> constexpr status put_if_different(register_value<R> value) {
         constexpr std::size_t words = row_type<R>::words;
         static_assert(row_type<R>::rights == access::rw, "this register is write-only");
-        check_row<R>();
+        detail::check_device<Device, R>();
         if (value.error() != errc::ok) return value.error();
         const result<u32> held = read_bits<words>(R.address);
         if (!held) return held.status().with_sent(false);
@@ -444,7 +430,7 @@ class client : public raw_client<Line, Device, Node> {
 
     template <const auto&... Rs>
     [[gnu::always_inline]] constexpr status write_block(register_value<Rs>... values) {
-        check_device<Rs...>();
+        detail::check_device<Device, Rs...>();
         using plan = write_plan<Rs...>;
         std::uint8_t frame[9 + 2 * plan::words];
         std::size_t used = 7;

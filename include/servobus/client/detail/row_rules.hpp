@@ -7,22 +7,12 @@
 #include <cstddef>
 #include <cstdint>
 
+#include <servobus/client/detail/row_checks.hpp>
 #include <servobus/modbus/bits.hpp>
 #include <servobus/modbus/read_write.hpp>
 #include <servobus/registers/tables.hpp>
 
 namespace servobus::detail {
-
-template <class Device, const auto&... Rs> constexpr void check_device() {
-    static_assert((belongs_to<typename row_type<Rs>::device, Device> && ...),
-                  "this register belongs to another device");
-}
-
-template <const auto& R> constexpr void check_wear() {
-    static_assert(!has(R.flags, flag::saved_on_write),
-                  "every write of this register wears the drive's EEPROM: store() it, or write it with "
-                  "what ram_only() gives");
-}
 
 /// True if the register, or the first or second word of it, has the address `setting`; 0: the device has no such
 /// setting.
