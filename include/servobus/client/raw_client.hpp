@@ -32,8 +32,8 @@ template <class Client> struct open_responses {
 };
 } // namespace detail
 
-/// A `client` without its device's rows. Every call returns within `line::bound` for each request that it
-/// makes; reads are retried, writes never.
+/// The calls of a `client` that need no rows; no program makes one. Every call returns within `line::bound` for each
+/// request that it makes; reads are retried, writes never.
 template <class Line, device_class Device, class Node>
 class raw_client : protected detail::node_link<Line, Device, Node> {
     using link = detail::node_link<Line, Device, Node>;
