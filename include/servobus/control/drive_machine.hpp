@@ -213,7 +213,7 @@ template <class Model, class Exchange> class drive_machine {
         if (frame_.is_waiting(exchange())) {
             frame_.drop();
         } else if (frame_.purpose() == flight::step) {
-            frame_.drain(buffers_.is_write() && !run().is_at_stop());
+            frame_.drain(buffers_.is_write() && !run().is_at_repeatable_step());
         }
         slot_.begin(by, urgent, now);
         if (slot_.is_setting_origin()) known_.feedback().note_origin();
@@ -283,8 +283,8 @@ template <class Model, class Exchange> class drive_machine {
         // frame: with its response it would go on, although nothing is known.
         const bool is_stop = slot_.is_stopping();
         const bool goes_on = is_stop && (!run().has_missed_stop() || is_on_the_wire());
-        if (slot_.is_idle() || run().is_at_stop() || goes_on) return is_lost;
-        give_up(is_stop ? errc::ok : errc::needs_init, now);
+        if (slot_.is_idle() || run().is_at_repeatable_step() || goes_on) return is_lost;
+        give_up(is_stop ? detail::routine_run::error_of_missed_stop : errc::needs_init, now);
         return true;
     }
 

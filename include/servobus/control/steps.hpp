@@ -157,14 +157,15 @@ template <const auto& R> consteval step write(detail::constant_of<R> value) {
     else
         s.value = static_cast<std::uint16_t>(bits);
     if constexpr (has(R.flags, flag::trigger | flag::motion)) // in place: fewer instances for the compiler
-        s.mask = stop_words<R>.contains(bits, detail::all_bits<R>) ? std::uint16_t{0xFFFF} : step::no_stop;
+        s.mask = stop_words<R>.contains(bits, detail::all_bits<R>) ? std::uint16_t{0xFFFF}
+                                                                   : step::never_repeatable;
     return s;
 }
 
 /// Writes zero to adjacent registers.
 template <const auto&... Rs> consteval step write_zero() {
     step s = detail::make(step::kind::write, step::constant, Rs...);
-    if ((detail::may_start<Rs>(0) || ...)) s.mask = step::no_stop;
+    if ((detail::may_start<Rs>(0) || ...)) s.mask = step::never_repeatable;
     return s;
 }
 
@@ -312,13 +313,13 @@ consteval step element(step s) {
 /// checked.
 consteval step repeatable(step s) {
     if (s.what != step::kind::write || s.slot < step::pair) detail::a_repeatable_step_writes_a_constant();
-    if (s.mask == step::no_stop) detail::a_repeatable_step_stops_the_drive_see_stop_words();
+    if (s.mask == step::never_repeatable) detail::a_repeatable_step_stops_the_drive_see_stop_words();
     s.is_repeatable = true;
     return s;
 }
 
-/// The same stop, which is never the first frame that is sent: among several it waits until another got a
-/// response.
+/// The same stop, which is never the first frame that is sent: among several it waits until another was
+/// acknowledged.
 consteval step after_a_stop(step s) {
     if (!s.is_repeatable) detail::a_step_after_a_stop_is_a_stop();
     s.is_after_stop = true;

@@ -349,7 +349,7 @@ TEST_CASE("what a command may have changed decides whether the state is known af
 
 TEST_CASE("G26: of several stops that were not confirmed the one of the highest priority is repeated") {
     rig r;
-    const auto open = [&r] { return r.drive.machine().slot().supervisors().open_stop(); };
+    const auto open = [&r] { return r.drive.machine().slot().supervisors().open_priority(); };
     r.is_mute = true;
     REQUIRE_FALSE(r.drive.run(halting));
     CHECK(open() == stop_priority::halt);

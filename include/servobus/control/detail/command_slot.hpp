@@ -117,7 +117,7 @@ template <class Model> class command_slot {
         if ((supervisors_.is_stop_due(now) || runs_without_port) && is_idle()) {
             stop_tries_ = 0;
             const bool is_open = supervisors_.is_stop_open();
-            return {is_open ? supervisors_.open_stop() : stop_priority::halt,
+            return {is_open ? supervisors_.open_priority() : stop_priority::halt,
                     supervisors_.is_stop_due(now) ? supervisors_.urgent_left() : steps::urgent_frames, false};
         }
         if (!has_run_out(now)) return {};
@@ -144,7 +144,7 @@ template <class Model> class command_slot {
     /// A take-over in place of a supervisor's stop is as urgent. If that fails, the stop is repeated. `was_sent`: the
     /// step under way. Returns how many frames are urgent.
     constexpr std::uint8_t keep_stop_open(bool was_sent, instant now) {
-        supervisors_.open_stop(command_.stop, run_.urgent_left(), run_.has_written() || was_sent, now);
+        supervisors_.leave_stop_open(command_.stop, run_.urgent_left(), run_.has_written() || was_sent, now);
         return run_.urgent_left();
     }
 
@@ -167,13 +167,13 @@ template <class Model> class command_slot {
   private:
     constexpr void note_stop(const routine_status& r, instant now) {
         if (r && command_.stop >= stop_priority::disable) supervisors_.end_watch();
-        const stop_priority open = supervisors_.open_stop();
+        const stop_priority open = supervisors_.open_priority();
         // The halt of the command timeout ends no disable that is open.
         if (r && (command_.stop >= open || owner_ != owner::supervisor))
             supervisors_.close_stop();
         else
-            supervisors_.open_stop(command_.stop < open ? open : command_.stop, run_.urgent_left(),
-                                   r.outcome() != outcome::not_sent, now);
+            supervisors_.leave_stop_open(command_.stop < open ? open : command_.stop, run_.urgent_left(),
+                                         r.outcome() != outcome::not_sent, now);
     }
 
     static constexpr prepared_command none() {

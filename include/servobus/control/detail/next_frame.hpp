@@ -26,7 +26,7 @@ constexpr flight next_frame(const knowledge<Model>& known, const command_slot<Mo
                                                                                           : flight::none;
     }
     const routine_run& run = slot.run();
-    if (run.is_at_stop()) return flight::step;
+    if (run.is_at_repeatable_step()) return flight::step;
     if (run.is_read_back_due()) return flight::step; // before the witness
     if (run.awaits_witness() || known.is_witness_due(command, now, on)) return flight::witness;
     const auto is_poll_due = [&] {

@@ -61,8 +61,9 @@ class axis_model : public model {
         if (r.block == position_block)
             place_.follow(join_words(r.words[0], r.words[1], known.word_order), r.epoch);
     }
-    static constexpr prepared_command stop_for(stop_priority priority, const settings& known, bool is_first) {
-        return model::stop_for(priority, known, is_first);
+    static constexpr prepared_command stop_for(stop_priority priority, const settings& known,
+                                               bool has_watchdog_expired) {
+        return model::stop_for(priority, known, has_watchdog_expired);
     }
     /// A drive whose reference units are worth something else than the program says is not taken over.
     constexpr errc learn(prepared_command& c, const ending& e, settings& known) {

@@ -40,8 +40,9 @@ template <class Device> class axis_model : public model<Device> {
         const auto raw = motion_under_way<Device>::position_in(r.words, known).count();
         place_.follow(static_cast<std::uint32_t>(raw), r.epoch);
     }
-    static constexpr prepared_command stop_for(stop_priority priority, const settings& known, bool is_first) {
-        return base::stop_for(priority, known, is_first);
+    static constexpr prepared_command stop_for(stop_priority priority, const settings& known,
+                                               bool has_watchdog_expired) {
+        return base::stop_for(priority, known, has_watchdog_expired);
     }
     /// A drive that counts otherwise than the program says is not taken over.
     constexpr errc learn(prepared_command& c, const ending& e, settings& known) {

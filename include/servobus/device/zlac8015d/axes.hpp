@@ -71,8 +71,9 @@ class axes_model : public counted_model {
         speeds_[0] = static_cast<std::int16_t>(r.words[image::place_of<left_actual_speed>]);
         speeds_[1] = static_cast<std::int16_t>(r.words[image::place_of<right_actual_speed>]);
     }
-    static constexpr prepared_command stop_for(stop_priority priority, const settings& known, bool is_first) {
-        return model::stop_for(priority, known, is_first);
+    static constexpr prepared_command stop_for(stop_priority priority, const settings& known,
+                                               bool has_watchdog_expired) {
+        return model::stop_for(priority, known, has_watchdog_expired);
     }
     constexpr errc admit(prepared_command& c, duration lost) {
         const bool needs_own_ramps = commanded_motion::sets_ramps(c) || c.then == effect::moved;

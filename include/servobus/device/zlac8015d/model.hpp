@@ -117,12 +117,13 @@ class model {
         const std::uint32_t ms = host_timeout_ms == 0 ? 1000u : host_timeout_ms;
         return milliseconds(ms - ms / 16);
     }
-    /// The routine for a stop of a supervisor. `is_first`: the drive's watchdog may have stopped it, so that its
-    /// first frame is one that stops it in every mode. A halt is a quick stop in the position modes, which have
-    /// no halt.
-    static constexpr prepared_command stop_for(stop_priority priority, const settings& known, bool is_first) {
+    /// The routine for a stop of a supervisor. `has_watchdog_expired`: the drive's watchdog may have stopped it, so
+    /// that its first frame is one that stops it in every mode. A halt is a quick stop in the position modes, which
+    /// have no halt.
+    static constexpr prepared_command stop_for(stop_priority priority, const settings& known,
+                                               bool has_watchdog_expired) {
         prepared_command c{.steps = routines::stop_both, .stop = priority};
-        if (is_first) {
+        if (has_watchdog_expired) {
             c.steps = routines::stop_after_silence;
         } else if (priority == stop_priority::disable) {
             c.then = effect::disabled;

@@ -114,8 +114,9 @@ class robot_model : public counted_model {
         return {.look = has_mode && !changes_mode(under_way) ? routines::same_mode : nullptr,
                 .words = {static_cast<std::uint16_t>(known.mode)}};
     }
-    static constexpr prepared_command stop_for(stop_priority priority, const settings& known, bool is_first) {
-        return model::stop_for(priority, known, is_first);
+    static constexpr prepared_command stop_for(stop_priority priority, const settings& known,
+                                               bool has_watchdog_expired) {
+        return model::stop_for(priority, known, has_watchdog_expired);
     }
     constexpr errc admit(prepared_command& c, duration lost) {
         if (commanded_motion::sets_ramps(c)) return errc::bad_argument;
