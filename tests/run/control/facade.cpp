@@ -364,6 +364,21 @@ TEST_CASE("G26: of several stops that were not confirmed the one of the highest 
     CHECK(open() == stop_priority::no_stop);
 }
 
+TEST_CASE("G26: an init that fails in place of the command timeout's halt leaves a disable open") {
+    rig r;
+    r.drive.set_command_timeout(milliseconds(300));
+    r.drive.repeat_stops({});
+    REQUIRE(r.drive.run(move));
+    r.is_mute = true;
+    REQUIRE_FALSE(r.drive.run(disabling));
+    r.port.frames.clear();
+    for (int i = 0; r.halts() == 0 && i < 100'000; ++i) r.turn();
+    REQUIRE(r.halts() == 1);
+    REQUIRE_FALSE(r.drive.is_idle());
+    REQUIRE_FALSE(r.drive.run(taking_over));
+    CHECK(r.drive.machine().slot().supervisors().open_priority() == stop_priority::disable);
+}
+
 TEST_CASE("G20: a disable that was not confirmed leaves the command timeout running") {
     rig r;
     r.drive.set_command_timeout(milliseconds(300));

@@ -141,9 +141,9 @@ template <class Model> class command_slot {
         }
         return supervisors_.is_stop_open() ? supervisors_.urgent_left() : steps::urgent_frames;
     }
-    /// A take-over in place of a supervisor's stop is as urgent. If that fails, the stop is repeated. `was_sent`: the
-    /// step under way. Returns how many frames are urgent.
-    constexpr std::uint8_t keep_stop_open(bool was_sent, instant now) {
+    /// Leaves the stop under way open: it has ended without confirmation, or a take-over replaces it. A take-over that
+    /// succeeds closes the stop. `was_sent`: the step under way. Returns how many frames of either are still urgent.
+    [[gnu::noinline]] constexpr std::uint8_t keep_stop_open(bool was_sent, instant now) {
         supervisors_.leave_stop_open(command_.stop, run_.urgent_left(), run_.has_written() || was_sent, now);
         return run_.urgent_left();
     }
@@ -167,13 +167,11 @@ template <class Model> class command_slot {
   private:
     constexpr void note_stop(const routine_status& r, instant now) {
         if (r && command_.stop >= stop_priority::disable) supervisors_.end_watch();
-        const stop_priority open = supervisors_.open_priority();
         // The halt of the command timeout ends no disable that is open.
-        if (r && (command_.stop >= open || owner_ != owner::supervisor))
+        if (r && (command_.stop >= supervisors_.open_priority() || owner_ != owner::supervisor))
             supervisors_.close_stop();
         else
-            supervisors_.leave_stop_open(command_.stop < open ? open : command_.stop, run_.urgent_left(),
-                                         r.outcome() != outcome::not_sent, now);
+            (void)keep_stop_open(false, now);
     }
 
     static constexpr prepared_command none() {
