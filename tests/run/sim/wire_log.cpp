@@ -5,6 +5,7 @@
 // which of them repeat others, and the limits of all.
 #include <cstddef>
 #include <cstdint>
+#include <vector>
 
 #include <doctest/doctest.h>
 
@@ -74,6 +75,17 @@ TEST_CASE("of reads that repeat themselves the first, the second and the last ar
         CAPTURE(i);
         CHECK(r.log.is_repeated(i) == expected[i]);
     }
+    const sim::chosen_requests chosen = r.log.chosen();
+    CHECK(std::vector<unsigned>(chosen.begin(), chosen.end()) == std::vector<unsigned>{0, 1, 2, 4, 5, 6});
+}
+TEST_CASE("the first 200 requests that are not repeated are chosen") {
+    recorder r;
+    for (int i = 0; i < 201; ++i) r.send(write_3);
+    const sim::chosen_requests chosen = r.log.chosen();
+    CHECK(chosen.count == 200);
+    CHECK(chosen.numbers.back() == 199);
+    r.log.begin();
+    CHECK(r.log.chosen().count == 0);
 }
 TEST_CASE("a write of the register that was read right before it") {
     recorder r;

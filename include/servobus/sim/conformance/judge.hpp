@@ -1,54 +1,95 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// The judgement on one run: what the facade reports against what is seen of the drive from outside, when the command
-// has ended, a while later, and once the drive is taken over again. sim/conformance.hpp makes the runs.
+// Judges one run: compares what the facade reports with what is seen of the drive from outside. It does so when the
+// command has ended, a while later, and once the drive is taken over again. The runs are made by sim/conformance.hpp.
 //
-//     void report(void*, const sim::finding& f) { std::puts(f.what); } // of any judge
+//     template <class Subject> void complain(sim::conformance_judge<Subject>& judge, sim::trial<Subject>& t) {
+//         judge.begin(t, 0);
+//         if (t.is_energised()) judge.broken("S1", "the motor is energised before its first command");
+//     }
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <type_traits>
 
 #include <servobus/control/common_commands.hpp>
+#include <servobus/control/routine_status.hpp>
+#include <servobus/control/states.hpp>
 #include <servobus/sim/conformance/expected.hpp>
 #include <servobus/sim/conformance/finding.hpp>
+#include <servobus/sim/conformance/mishap.hpp>
 #include <servobus/sim/conformance/subject.hpp>
 #include <servobus/sim/conformance/trial.hpp>
+#include <servobus/sim/conformance/wire_log.hpp>
 
 namespace servobus::sim {
 
 template <class Subject> class conformance_judge {
-  protected:
+  public:
     using trial_type = trial<Subject>;
     using drive_type = typename trial_type::drive_type;
     using report = void (*)(void* context, const finding&);
 
     conformance_judge(report to, void* context) : report_{to}, context_{context} {}
 
-    /// Another run begins.
-    void begin(trial_type& t, unsigned interpretation, planned_mishap first, planned_mishap second) {
+    /// Begins the judgement of another run, which `t` outlives.
+    void begin(trial_type& t, unsigned interpretation, planned_mishap first = {},
+               planned_mishap second = {}) {
         now_ = {.interpretation = interpretation, .first = first, .second = second};
         trial_ = &t;
         reported_ = nullptr;
         goal_known_ = false;
+        chosen_ = {};
     }
+    /// Names in the findings what is played.
+    void name(const char* command) { now_.command = command; }
+    /// Begins the command that is judged, in the state that the drive has.
+    void begin_command(const char* command) {
+        name(command);
+        was_enabled_ = trial_->drive().state() == drive_state::enabled;
+    }
+    /// Sets the target of the newest move that has started.
+    void aim_at(std::int64_t goal) {
+        goal_ = goal;
+        goal_known_ = true;
+    }
+    /// Keeps which requests have been sent, without those that are like others.
+    void note_requests() { chosen_ = trial_->log().chosen(); }
+
+    /// The run that is judged: its command, interpretation and mishaps.
+    const finding& now() const { return now_; }
+    /// The requests that were kept last.
+    const chosen_requests& chosen() const { return chosen_; }
     std::uint32_t findings() const { return findings_; }
+    /// True after so many findings that others would hide what to mend first.
+    bool is_enough() const { return findings_ >= 100; }
+    bool can_be_done(const char* command) const { return Subject::can_be_done(now_.interpretation, command); }
     bool is_undisturbed() const { return now_.first.what == mishap::none; }
-    unsigned planned_restarts() const {
-        const auto is_restart = [](mishap m) {
-            return m == mishap::restart_before || m == mishap::restart_after;
-        };
-        return (is_restart(now_.first.what) ? 1u : 0u) + (is_restart(now_.second.what) ? 1u : 0u);
-    }
     bool is_one_frame_lost() const {
         return now_.first.what >= mishap::request_lost && now_.first.what <= mishap::response_damaged &&
                now_.second.what == mishap::none;
     }
 
-    // Judges a command that has ended well: the drive was at some time since the last request as it says.
-    template <class Command> void judge_done(trial_type& t, const Command&, const expected& does) {
+    /// Reports a broken promise, the same one once in a run.
+    void broken(const char* promise, const char* what) {
+        if (reported_ == what) return;
+        reported_ = what;
+        if (is_enough()) return;
+        ++findings_;
+        send(promise, what);
+        if (!is_enough()) return;
+        ++findings_;
+        send("kit", "so many findings are enough: nothing else is played");
+    }
+    /// Reports a failed command that leads to the start of the one that is judged.
+    void must(const routine_status& r) {
+        if (!r) broken("kit", "a command that leads to the start of a run fails on an undisturbed line");
+    }
+
+    /// Judges a command that has ended well: the drive was at some time since the last request as it says.
+    template <class Command> void at_end(const Command&, const expected& does) {
+        trial_type& t = *trial_;
         constexpr bool is_init = std::is_same_v<Command, init>;
         if constexpr (std::is_same_v<Command, enable>) {
             const bool is_hidden_stop =
@@ -79,13 +120,14 @@ template <class Subject> class conformance_judge {
         if (does.what == expected::kind::turns) {
             // A motor takes time to turn.
             for (int i = 0; i < 35 && is_undisturbed() && !t.is_turning(); ++i) t.live(milliseconds(10));
-            if (is_undisturbed() && !t.turned() && Subject::can_be_done(now_.interpretation, now_.command))
+            if (is_undisturbed() && !t.turned() && can_be_done(now_.command))
                 broken("G35", "a motion is reported done, and the motor stands");
         }
     }
 
-    // Judges a while afterwards, on a sound line, and once the drive is taken over again.
-    template <class Command> void judge_later(trial_type& t, const Command&, const expected& does) {
+    /// Judges a while afterwards, on a sound line, and once the drive is taken over again.
+    template <class Command> void afterwards(const Command&, const expected& does) {
+        trial_type& t = *trial_;
         using named = std::remove_cvref_t<Command>;
         constexpr bool is_init = std::is_same_v<named, init>;
         constexpr bool is_enable = std::is_same_v<named, enable>;
@@ -96,7 +138,7 @@ template <class Subject> class conformance_judge {
             t.live(milliseconds(50));
             judge_arrival(t);
             // A second mishap may meet what follows the first one.
-            if (ms == 450 && !is_undisturbed()) note_requests(t);
+            if (ms == 450 && !is_undisturbed()) note_requests();
         }
         const what_shows shows = Subject::shows(now_.interpretation);
         const bool is_hidden_stop = !shows.wired_stop && t.has_happened(mishap::stop_input);
@@ -127,7 +169,7 @@ template <class Subject> class conformance_judge {
                 broken("G15", "a move by a way went farther than its way");
         }
         if (is_undisturbed()) {
-            const bool can_enable = Subject::can_be_done(now_.interpretation, "enable");
+            const bool can_enable = can_be_done("enable");
             if (is_enable && can_enable && d.state() != drive_state::enabled)
                 broken("G35", "enable is done on an undisturbed line, and the state is another one");
             if (std::is_same_v<named, disable> && d.state() != drive_state::disabled)
@@ -154,15 +196,19 @@ template <class Subject> class conformance_judge {
         }
         recover(t);
     }
+
+  private:
+    unsigned planned_restarts() const {
+        const auto is_restart = [](mishap m) {
+            return m == mishap::restart_before || m == mishap::restart_after;
+        };
+        return (is_restart(now_.first.what) ? 1u : 0u) + (is_restart(now_.second.what) ? 1u : 0u);
+    }
     void judge_arrival(trial_type& t) {
         if (t.drive().arrival().how != arrival_state::reached) return;
         if (!goal_known_) return;
         if (!t.was_at(goal_))
             broken("G34", "arrival() is reached, and the motor is not at the target of the newest move");
-    }
-
-    void must(const routine_status& r) {
-        if (!r) broken("kit", "a command that leads to the start of a run fails on an undisturbed line");
     }
 
     void recover(trial_type& t) {
@@ -181,7 +227,7 @@ template <class Subject> class conformance_judge {
             broken("G28", "the drive cannot be taken over again on a sound line");
         if (t.drive().state() == drive_state::faulted) {
             const bool is_reset = static_cast<bool>(t.run(fault_reset{}));
-            if (!is_reset && !Subject::can_be_done(now_.interpretation, "fault_reset")) {
+            if (!is_reset && !can_be_done("fault_reset")) {
                 Subject::restart(t.machine());
                 must(t.run(init{}));
             } else if (!is_reset) {
@@ -192,7 +238,7 @@ template <class Subject> class conformance_judge {
         if (!t.run(disable{})) broken("G28", "disable fails on a sound line");
         if (t.is_energised()) broken("G26", "disable is done on a sound line, and the motor is energised");
         const bool is_enabled = static_cast<bool>(t.run(enable{}));
-        if (!Subject::can_be_done(now_.interpretation, "enable")) {
+        if (!can_be_done("enable")) {
             if (is_enabled) broken("kit", "enable is done, and the subject says that it cannot be");
             if (t.is_energised())
                 broken("G37", "an enable that cannot be confirmed leaves the motor energised");
@@ -206,37 +252,6 @@ template <class Subject> class conformance_judge {
             broken("G35", "enable is done on a sound line, and the motor is not energised");
     }
 
-    // The requests at which a mishap makes a run of its own.
-    void note_requests(const trial_type& t) {
-        requests_ = 0;
-        for (unsigned i = 0; i < t.log().requests() && requests_ < chosen_.size(); ++i) {
-            if (!t.log().is_repeated(i)) chosen_[requests_++] = static_cast<std::uint16_t>(i);
-        }
-    }
-
-    // Reports a broken promise, the same one once in a run.
-    void broken(const char* promise, const char* what) {
-        if (reported_ == what) return;
-        reported_ = what;
-        if (is_enough()) return;
-        ++findings_;
-        send(promise, what);
-        if (!is_enough()) return;
-        ++findings_;
-        send("kit", "so many findings are enough: nothing else is played");
-    }
-
-    /// True after so many findings that others would hide what to mend first.
-    bool is_enough() const { return findings_ >= 100; }
-
-    unsigned requests_ = 0; // of the last run, and which they are
-    std::array<std::uint16_t, 200> chosen_{};
-    finding now_{};
-    std::int64_t goal_ = 0; // of the newest move that has started
-    bool goal_known_ = false;
-    bool was_enabled_ = false; // before the command
-
-  private:
     void send(const char* promise, const char* what) {
         finding f = now_;
         f.promise = promise;
@@ -250,6 +265,11 @@ template <class Subject> class conformance_judge {
     trial_type* trial_ = nullptr;
     const char* reported_ = nullptr;
     std::uint32_t findings_ = 0;
+    finding now_{};
+    chosen_requests chosen_{};
+    std::int64_t goal_ = 0;
+    bool goal_known_ = false;
+    bool was_enabled_ = false; // before the command
 };
 
 } // namespace servobus::sim

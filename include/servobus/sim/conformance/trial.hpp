@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// One run of a command on a virtual line: the facade, the simulated drive, up to two mishaps, and what is seen of the
-// drive from outside. sim/conformance.hpp makes the runs and judges them.
+// One run of a command on a virtual line: the facade, the simulated drive, and up to two mishaps. It keeps what is seen
+// of the drive from outside. The runs are made and judged by sim/conformance.hpp.
 //
 //     template <class Subject> bool can_be_enabled() {
 //         sim::trial<Subject> t{0};
@@ -10,7 +10,6 @@
 //     }
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <span>
 
@@ -21,6 +20,8 @@
 #include <servobus/line/line.hpp>
 #include <servobus/sim/conformance/disturbed.hpp>
 #include <servobus/sim/conformance/finding.hpp>
+#include <servobus/sim/conformance/mishap.hpp>
+#include <servobus/sim/conformance/mishap_plan.hpp>
 #include <servobus/sim/conformance/wire_log.hpp>
 #include <servobus/sim/line.hpp>
 #include <servobus/sim/station.hpp>
@@ -59,13 +60,11 @@ template <class Subject> class trial {
 
     /// From now on what is seen counts, and the mishaps happen at the requests that follow, counted from 0.
     void watch(planned_mishap first = {}, planned_mishap second = {}) {
-        planned_[0] = first;
-        planned_[1] = second;
+        plan_ = {first, second};
         first_request_ = wire_.requests();
         struck_ = wire_.struck();
         log_.begin();
         energised_ = 0;
-        has_happened_ = {};
         begun_at_ = place();
         was_turning_ = is_turning();
         is_stop_refused_ = false;
@@ -76,7 +75,7 @@ template <class Subject> class trial {
     }
     /// No more mishaps: the line and the drive are sound again.
     void heal() {
-        planned_[0] = planned_[1] = {};
+        plan_.end();
         wire_.faults() = {};
         Subject::end_fault(machine_.machine);
         Subject::release_stop(machine_.machine);
@@ -109,7 +108,7 @@ template <class Subject> class trial {
     /// Requests that began to leave, and those of them that write.
     unsigned requests() const { return wire_.requests() - first_request_; }
     unsigned writes() const { return log_.writes(); }
-    /// How often the motor was energised, other than by a restart of the drive.
+    /// Counts how often the motor was energised, other than by a restart of the drive.
     unsigned energised() const { return energised_; }
     /// True if a disable, begun while the command was under way, was refused.
     bool is_stop_refused() const { return is_stop_refused_; }
@@ -120,21 +119,9 @@ template <class Subject> class trial {
     const wire_log& log() const { return log_; }
     std::int64_t least() const { return least_; }
     std::int64_t most() const { return most_; }
-    bool has_happened(mishap m) const { return has_happened_[static_cast<unsigned>(m)]; }
-    bool has_restarted() const {
-        return has_happened(mishap::restart_before) || has_happened(mishap::restart_after);
-    }
-    /// True if each restart was over between the read of a register and the write that sets it again.
-    bool has_restarted_in_a_change() const {
-        unsigned restarts = 0;
-        for (const planned_mishap& p : planned_) {
-            const bool is_before = p.what == mishap::restart_before;
-            if ((!is_before && p.what != mishap::restart_after) || !has_happened(p.what)) continue;
-            if (!log_.writes_what_was_read(is_before ? p.request : p.request + 1)) return false;
-            ++restarts;
-        }
-        return restarts != 0;
-    }
+    bool has_happened(mishap m) const { return plan_.has_happened(m); }
+    bool has_restarted() const { return plan_.has_restarted(); }
+    bool has_restarted_in_a_change() const { return plan_.has_restarted_in_a_change(log_); }
     /// True if it held at some time since the last request but one arrived at the drive: a condition shows within two
     /// frames (G35).
     bool was_energised() const { return views_[0].energised || views_[1].energised || is_energised(); }
@@ -158,17 +145,17 @@ template <class Subject> class trial {
         views_[1] = views_[0];
         views_[0] = {};
         view();
-        if (is_due(mishap::restart_before)) restart();
-        if (is_due(mishap::refused)) return 4;
-        if (is_due(mishap::busy)) return 6;
+        if (happens(mishap::restart_before)) restart();
+        if (happens(mishap::refused)) return 4;
+        if (happens(mishap::busy)) return 6;
         return 0;
     }
     void after() {
         view();
-        if (is_due(mishap::restart_after)) restart();
-        if (is_due(mishap::fault)) Subject::have_fault(machine_.machine);
-        if (is_due(mishap::stop_input)) Subject::press_stop(machine_.machine);
-        if (is_due(mishap::foreign_write)) Subject::write_by_another(machine_.machine);
+        if (happens(mishap::restart_after)) restart();
+        if (happens(mishap::fault)) Subject::have_fault(machine_.machine);
+        if (happens(mishap::stop_input)) Subject::press_stop(machine_.machine);
+        if (happens(mishap::foreign_write)) Subject::write_by_another(machine_.machine);
         sample();
     }
 
@@ -199,43 +186,12 @@ template <class Subject> class trial {
         was_energised_ = is_energised();
     }
 
-    // One mishap happens once, with the request to which it belongs.
-    bool is_due(mishap m) {
-        const unsigned now = requests();
-        for (const planned_mishap& p : planned_) {
-            if (p.what != m || now != p.request + 1) continue;
-            bool& was = has_happened_[static_cast<unsigned>(m)];
-            if (was && planned_[0].what != planned_[1].what) continue;
-            was = true;
-            return true;
-        }
-        return false;
-    }
-    bool is_planned(mishap m, unsigned request) const {
-        return (planned_[0].what == m && planned_[0].request == request) ||
-               (planned_[1].what == m && planned_[1].request == request);
-    }
-    // The line has counted another frame with a fault: a mishap of the present request.
+    bool happens(mishap m) { return plan_.happens(m, requests()); }
+    void set_faults() { plan_.set_faults(wire_.faults(), requests()); }
     void note_struck() {
         if (wire_.struck() == struck_) return;
         struck_ = wire_.struck();
-        for (const planned_mishap& p : planned_) {
-            const bool is_of_line = p.what >= mishap::request_lost && p.what <= mishap::response_doubled;
-            if (is_of_line && requests() == p.request + 1)
-                has_happened_[static_cast<unsigned>(p.what)] = true;
-        }
-    }
-    // Before the request `begun` leaves, and while the response to the one before it is awaited.
-    void set_faults() {
-        const unsigned begun = requests();
-        fault_plan& plan = wire_.faults();
-        const auto rate = [](bool is) { return is ? std::uint16_t{1000} : std::uint16_t{0}; };
-        plan.lost_request = rate(is_planned(mishap::request_lost, begun));
-        plan.corrupted_request = rate(is_planned(mishap::request_damaged, begun));
-        plan.lost_response = rate(is_planned(mishap::response_lost, begun - 1));
-        plan.corrupted_response = rate(is_planned(mishap::response_damaged, begun - 1));
-        plan.late_response = rate(is_planned(mishap::response_late, begun - 1));
-        plan.doubled_response = rate(is_planned(mishap::response_doubled, begun - 1));
+        plan_.note_line_fault(requests());
     }
     void turn() {
         set_faults();
@@ -250,16 +206,12 @@ template <class Subject> class trial {
         wire_.wait(idle == duration{} ? microseconds(20) : idle < longest ? idle : longest);
         sample();
     }
-    bool happens_now(mishap m) {
-        if (has_happened(m)) return false;
-        return is_due(m);
-    }
+    bool happens_now(mishap m) { return !has_happened(m) && happens(m); }
 
     static void note(void* self, const wire_byte& b) { static_cast<trial*>(self)->note(b); }
     void note(const wire_byte& b) { log_.note(b, requests()); }
 
-    planned_mishap planned_[2]{};
-    std::array<bool, sizeof all_mishaps / sizeof *all_mishaps + 1> has_happened_{};
+    mishap_plan plan_{};
     wire_log log_{};
     bool was_turning_ = false;
     bool is_stop_refused_ = false;

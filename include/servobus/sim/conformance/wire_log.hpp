@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSL-1.0
 //
 // Records what one run of a command sends: the last frames on the wire for a finding, and which requests are like
-// others. sim/conformance/trial.hpp notes each byte.
+// others. Each byte is noted by sim/conformance/trial.hpp.
 //
 //     sim::wire_log log;
 //     log.note({.at_us = 90, .value = 0x01, .is_from_client = true}, 1); // a byte of the first request
@@ -19,6 +19,15 @@
 #include <servobus/sim/line.hpp>
 
 namespace servobus::sim {
+
+/// Numbers of the requests at which a mishap makes a run of its own, in their order.
+struct chosen_requests {
+    std::array<std::uint16_t, 200> numbers{};
+    unsigned count = 0;
+
+    const std::uint16_t* begin() const { return numbers.data(); }
+    const std::uint16_t* end() const { return numbers.data() + count; }
+};
 
 class wire_log {
   public:
@@ -55,10 +64,10 @@ class wire_log {
 
     /// Requests that write.
     unsigned writes() const { return writes_; }
-    /// How many requests are kept: a wait may send more.
+    /// Counts the requests that are kept: a wait may send more.
     unsigned requests() const { return known_; }
-    /// True for a read that is like others: between the same two writes there are at least two equal ones before it,
-    /// and one after it. Of those that a wait sends again and again that leaves the first, the second and the last.
+    /// True for a read that is like others: between the same two writes at least two equal ones precede it, and one
+    /// follows it. In a wait all but the first, the second and the last are repeated.
     bool is_repeated(unsigned request) const {
         unsigned before = 0;
         for (unsigned i = request; i != 0 && before < 2 && !sent_[i].is_write; --i)
@@ -68,6 +77,14 @@ class wire_log {
             if (is_equal(request, i)) return true;
         }
         return false;
+    }
+    /// Returns the first requests that are not repeated, 200 at most.
+    chosen_requests chosen() const {
+        chosen_requests all;
+        for (unsigned i = 0; i < known_ && all.count < all.numbers.size(); ++i) {
+            if (!is_repeated(i)) all.numbers[all.count++] = static_cast<std::uint16_t>(i);
+        }
+        return all;
     }
     /// True if this request writes the register that the one before it has read.
     bool writes_what_was_read(unsigned request) const {
