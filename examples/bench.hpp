@@ -52,7 +52,7 @@ template <class Machine> class bench {
     /// whose state is not known is taken over before. A signal does not wait for the command's end.
     template <class Command> void must(const Command& command) {
         for (int tries = 3;;) {
-            const servobus::routine_status how = run(command);
+            const servobus::command_status how = run(command);
             if (how) return;
             if (--tries == 0 || how.outcome() == servobus::outcome::refused) end_at(how.error());
             if (drive_.state() == servobus::drive_state::needs_init) (void)run(servobus::init{});
@@ -61,9 +61,9 @@ template <class Machine> class bench {
     /// The same for a motion that must not begin twice: it is repeated only if no byte of it was sent.
     template <class Command> void must_once(const Command& command) {
         for (int tries = 3;;) {
-            const servobus::routine_status how = run(command);
+            const servobus::command_status how = run(command);
             if (how) return;
-            if (--tries == 0 || how.outcome() != servobus::outcome::not_sent || how.has_changed)
+            if (--tries == 0 || how.outcome() != servobus::outcome::not_sent || how.has_changed())
                 end_at(how.error());
         }
     }
@@ -112,7 +112,7 @@ template <class Machine> class bench {
         const servobus::instant start = port_.now();
         for (;;) {
             check_signal();
-            const servobus::routine_status r = drive_.run(servobus::init{});
+            const servobus::command_status r = drive_.run(servobus::init{});
             if (r) break;
             if (servobus::since(start, port_.now()) > within) end_at(r.error());
             if (r.error() == servobus::errc::port_lost) (void)open();
@@ -151,15 +151,14 @@ template <class Machine> class bench {
   private:
     using line = servobus::line<host::serial>;
 
-    servobus::errc open() { return port_.open(path_, host::settings_of(Machine::device::facts)); }
+    servobus::status open() { return port_.open(path_, host::settings_of(Machine::device::facts)); }
 
     void check_signal() {
         if (host::is_interrupted()) end("interrupted");
     }
 
-    template <class Command> servobus::routine_status run(const Command& command) {
-        const servobus::errc refusal = drive_.begin(command);
-        if (refusal != servobus::errc::ok) end_at(refusal);
+    template <class Command> servobus::command_status run(const Command& command) {
+        if (const auto begun = drive_.begin(command); !begun) end_at(begun.error());
         while (!drive_.is_idle()) {
             check_signal();
             wire_.sleep(drive_.step());
@@ -181,7 +180,7 @@ template <class Machine> class bench {
     void stop() {
         if (!was_opened_) return;
         for (int i = 0; i < 3; ++i) {
-            const servobus::routine_status r = drive_.run(typename Machine::stop{});
+            const servobus::command_status r = drive_.run(typename Machine::stop{});
             if (r) return;
             // A stop at least as urgent is under way.
             while (r.error() == servobus::errc::busy && !drive_.is_idle()) wire_.sleep(drive_.step());

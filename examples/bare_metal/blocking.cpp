@@ -36,9 +36,9 @@ class program {
         return has_ended_well(what, wheels_.run(command));
     }
 
-    static bool has_ended_well(const char* what, const routine_status& r) {
+    static bool has_ended_well(const char* what, const command_status& r) {
         out << "blocking: " << what << ": " << text(r.outcome());
-        if (!r) out << ", " << text(r.error()) << " (step " << std::uint32_t{r.step} << ")";
+        if (!r) out << ", " << text(r.error()) << " (step " << std::uint32_t{r.step()} << ")";
         out << "\n";
         return static_cast<bool>(r);
     }

@@ -59,7 +59,7 @@ template <class Line> struct cell {
         return ::lift::prepare(platform) && all.run(press, ::press::set_up) && ::press::prepare(ram) &&
                all.run(wheels, wheels_set_up) && all.run(wheels, enable{});
     }
-    errc drive(const twist& by) { return is_safe() ? wheels.begin(by) : wheels.begin(halt{}); }
+    command_status drive(const twist& by) { return is_safe() ? wheels.begin(by) : wheels.begin(halt{}); }
     // The door is closed, nothing is near, and the sensor has said so lately.
     bool is_safe() const {
         const auto near = all.template latest<0>(300_ms);

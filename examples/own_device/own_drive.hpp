@@ -127,43 +127,43 @@ constexpr errc needs_init_done(const cached_settings& known) {
 // The commands that every drive has
 
 /// Switches the winch off, whatever it does, and takes it over.
-constexpr prepared_command plan(servobus::init, const cached_settings&) {
+constexpr prepared_command prepare(servobus::init, const cached_settings&) {
     return {.steps = routines::init, .then = effect::initialised};
 }
 /// Energises the winch, at standstill.
-constexpr prepared_command plan(servobus::enable, const cached_settings& known) {
+constexpr prepared_command prepare(servobus::enable, const cached_settings& known) {
     return {
         .steps = routines::enable, .then = effect::enabled, .refusal = needs(known, drive_state::disabled)};
 }
 /// Switches it off.
-constexpr prepared_command plan(servobus::disable, const cached_settings&) {
+constexpr prepared_command prepare(servobus::disable, const cached_settings&) {
     return {.steps = routines::disable, .then = effect::disabled, .stop = servobus::stop_priority::disable};
 }
 /// Stops it; it stays energised. Where nothing is known of it, it is switched off.
-constexpr prepared_command plan(servobus::halt, const cached_settings& known) {
+constexpr prepared_command prepare(servobus::halt, const cached_settings& known) {
     const bool is_held = known.state == drive_state::enabled;
     return {.steps = is_held ? routine{routines::halt} : routine{routines::disable},
             .stop = servobus::stop_priority::halt};
 }
 /// Switches it off: its brake is the fastest stop.
-constexpr prepared_command plan(servobus::quick_stop, const cached_settings&) {
+constexpr prepared_command prepare(servobus::quick_stop, const cached_settings&) {
     return {
         .steps = routines::disable, .then = effect::disabled, .stop = servobus::stop_priority::quick_stop};
 }
 /// Clears a fault; the winch stays off.
-constexpr prepared_command plan(servobus::fault_reset, const cached_settings& known) {
+constexpr prepared_command prepare(servobus::fault_reset, const cached_settings& known) {
     return {.steps = routines::clear_fault, .refusal = needs(known, drive_state::disabled)};
 }
-constexpr prepared_command plan(const servobus::wait_standstill& wanted, const cached_settings& known) {
+constexpr prepared_command prepare(const servobus::wait_standstill& wanted, const cached_settings& known) {
     return {.steps = routines::wait_standstill, .refusal = needs_init_done(known), .limit = wanted.limit};
 }
-constexpr prepared_command plan(const servobus::wait_reached& wanted, const cached_settings& known) {
+constexpr prepared_command prepare(const servobus::wait_reached& wanted, const cached_settings& known) {
     return {.steps = routines::wait_reached,
             .then = effect::arrived,
             .refusal = needs_init_done(known),
             .limit = wanted.limit};
 }
-constexpr prepared_command plan(servobus::read_feedback, const cached_settings& known) {
+constexpr prepared_command prepare(servobus::read_feedback, const cached_settings& known) {
     return {.steps = routines::feedback, .then = effect::seen, .refusal = needs_init_done(known)};
 }
 
@@ -172,7 +172,7 @@ constexpr prepared_command plan(servobus::read_feedback, const cached_settings& 
 /// Turns without end; the sign is the direction.
 struct turn {
     rate at;
-    constexpr prepared_command plan(const cached_settings& known) const {
+    constexpr prepared_command prepare(const cached_settings& known) const {
         const auto c = commands::count_in<speed>(at);
         return {.steps = routines::turn,
                 .arguments = {{commands::as_word(c.count)}},
@@ -183,7 +183,7 @@ struct turn {
 /// Winds to a place; refused while it turns (`busy`).
 struct move_to {
     distance place;
-    constexpr prepared_command plan(const cached_settings& known) const {
+    constexpr prepared_command prepare(const cached_settings& known) const {
         const auto words =
             servobus::split_words(static_cast<std::uint32_t>(place.count()), device::facts.word_order);
         return {.steps = routines::move,
@@ -315,8 +315,8 @@ class model {
     // How is it stopped?
 
     static constexpr prepared_command stop_for(servobus::stop_priority which, const settings& known, bool) {
-        return which == servobus::stop_priority::halt ? plan(servobus::halt{}, known)
-                                                      : plan(servobus::disable{}, known);
+        return which == servobus::stop_priority::halt ? prepare(servobus::halt{}, known)
+                                                      : prepare(servobus::disable{}, known);
     }
 
     // For this drive's own facade
@@ -395,8 +395,8 @@ template <class Line> class drive : public servobus::facade<model, Line> {
     }
     /// Reads it in one frame.
     servobus::result<winch::feedback> read() {
-        const servobus::routine_status r = base::run(servobus::read_feedback{});
-        if (!r) return r.status;
+        const servobus::command_status r = base::run(servobus::read_feedback{});
+        if (!r) return servobus::status{r};
         return winch::feedback::from_words(this->image());
     }
 };

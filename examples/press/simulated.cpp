@@ -28,7 +28,7 @@ class world {
     void is_home() { home_ = drive.position(); }
     bool is_near(double place) const { return mm() > place - 0.01 && mm() < place + 0.01; }
     bool take_over() {
-        take_over_status done = servo.run(press::set_up);
+        command_status done = servo.run(press::set_up);
         if (done.part() == take_over_part::power_cycle) {
             drive.power_cycle(); // a person does it
             done = servo.run(press::set_up);

@@ -32,7 +32,7 @@ int main(int argc, char** argv) {
             std::printf("%s: %s; drive %s, cause %s, %s\n", text(ended.what), text(ended.how.error()),
                         text(bot.state()), text(bot.cause()), text(bot.faults().first()));
             // Once in a drive's life: its speeds are finer from the next power-on. Who switches it on consents.
-            if (ended.at == take_over_part::power_cycle) {
+            if (ended.how.part() == take_over_part::power_cycle) {
                 is_new = true;
                 std::puts("Switch the drive off and on: then the robot drives.");
             } else if (is_new && ended.what == loop_part::take_over && ended.how) {

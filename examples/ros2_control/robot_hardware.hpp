@@ -201,7 +201,7 @@ template <class Port> class robot_hardware {
         shaped_ = {};
         shaped_.set_limits({.acceleration = tenths_of(chosen_.acceleration),
                             .deceleration = tenths_of(chosen_.deceleration)});
-        const take_over_status ready =
+        const command_status ready =
             chosen_.reset_faults
                 ? drive_->run(servobus::take_over{with_fault_reset{}, fine, watchdog, ramps, stop, by})
                 : drive_->run(servobus::take_over{fine, watchdog, ramps, stop, by});
@@ -246,7 +246,7 @@ template <class Port> class robot_hardware {
     }
 
     std::string enable() {
-        const servobus::routine_status energised = drive_->run(servobus::enable{});
+        const servobus::command_status energised = drive_->run(servobus::enable{});
         if (energised && drive_->state() == servobus::drive_state::enabled) return {};
         const std::string why =
             std::string{"the drive is not enabled: "} + text(energised.error()) + "; is a wired stop active?";

@@ -20,7 +20,7 @@
 #include <servobus/client/node.hpp>
 #include <servobus/client/stepped_read.hpp>
 #include <servobus/client/stepped_write.hpp>
-#include <servobus/control/routine_status.hpp>
+#include <servobus/control/command_status.hpp>
 #include <servobus/control/steps.hpp>
 #include <servobus/control/supervision.hpp>
 #include <servobus/core/bytes.hpp>

@@ -12,7 +12,7 @@
 #include <string>
 #include <utility>
 
-#include <servobus/control/routine_status.hpp>
+#include <servobus/control/command_status.hpp>
 #include <servobus/control/step.hpp>
 #include <servobus/modbus/rtu.hpp>
 
@@ -56,7 +56,7 @@ class facade {
     virtual servobus::errc begin_end() = 0;
     virtual servobus::duration step() = 0;
     virtual bool is_idle() const = 0;
-    virtual servobus::routine_status last() const = 0;
+    virtual servobus::command_status last() const = 0;
     virtual bool needs_init() const = 0;
 
     // The simulated drive
@@ -225,7 +225,7 @@ template <class Seat, class Drive> class facade_of : public facade {
     participant& place() override { return *at_; }
     servobus::duration step() override { return drive.step(); }
     bool is_idle() const override { return drive.is_idle(); }
-    servobus::routine_status last() const override { return drive.last(); }
+    servobus::command_status last() const override { return drive.last(); }
     bool needs_init() const override { return drive.state() == decltype(drive.state())::needs_init; }
 
     bool says_enabled() const override { return drive.state() == decltype(drive.state())::enabled; }

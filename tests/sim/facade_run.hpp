@@ -180,7 +180,7 @@ class facade_run {
 
     void judge_command(const std::string& when) {
         scene& on = in_.state();
-        const servobus::routine_status& r = driven_->last();
+        const servobus::command_status& r = driven_->last();
         const errand& wanted = driven_->wanted();
         on.log->remark(on.now(), "   ended: " + std::string{servobus::text(r.error())});
         on.log->mix(static_cast<std::uint64_t>(r.error()));

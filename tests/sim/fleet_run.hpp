@@ -203,7 +203,7 @@ class fleet_run {
     void judge(facade& f) {
         if (!under_way_[index_of(f)] || !f.is_idle()) return;
         under_way_[index_of(f)] = false;
-        const servobus::routine_status& r = f.last();
+        const servobus::command_status& r = f.last();
         const std::string& name = f.wanted().name;
         const unsigned triggers = wire_.triggers(f.place().address());
         in_.state().log->remark(in_.state().now(), "   node " + std::to_string(f.place().address()) +

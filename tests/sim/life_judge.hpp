@@ -39,7 +39,7 @@ class life_judge {
     void ended() {
         const doing what = what_;
         what_ = doing::nothing;
-        const servobus::routine_status& r = of_.last();
+        const servobus::command_status& r = of_.last();
         in_.state().log->remark(now(), "   ended: " + std::string{servobus::text(r.error())} + ", " +
                                            servobus::text(r.outcome()));
         if (r) ++in_.state().count->succeeded;
@@ -97,7 +97,7 @@ class life_judge {
     bool is_turning = false; ///< a motion without an end was commanded last
 
   private:
-    using status = servobus::routine_status;
+    using status = servobus::command_status;
 
     // A restart of a drive that is polled shows within half a second, a feedback period and two frames. One that did
     // not respond may be read once a second.

@@ -12,7 +12,7 @@
 #include <utility>
 #include <vector>
 
-#include <servobus/control/routine_status.hpp>
+#include <servobus/control/command_status.hpp>
 #include <servobus/control/states.hpp>
 #include <servobus/control/supervision.hpp>
 #include <servobus/core/time.hpp>
@@ -47,7 +47,7 @@ class pilot {
     virtual bool can(doing what) const = 0;
     virtual servobus::duration step() = 0;
     virtual bool is_idle() const = 0;
-    virtual servobus::routine_status last() const = 0;
+    virtual servobus::command_status last() const = 0;
     virtual bool needs_init() const = 0;
     virtual bool says_enabled() const = 0;
     virtual bool says_faulted() const = 0;
@@ -116,7 +116,7 @@ template <class Line, class Seat, template <class> class Drive> class pilot_of :
     participant& place() override { return *at_; }
     servobus::duration step() override { return drive.step(); }
     bool is_idle() const override { return drive.is_idle(); }
-    servobus::routine_status last() const override { return drive.last(); }
+    servobus::command_status last() const override { return drive.last(); }
     bool needs_init() const override { return drive.state() == state::needs_init; }
     bool says_enabled() const override { return drive.state() == state::enabled; }
     bool says_faulted() const override { return drive.state() == state::faulted; }

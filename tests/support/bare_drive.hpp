@@ -31,7 +31,7 @@ struct command {
     steps::recheck witness{}; ///< of a take-over
     bool makes_known = false; ///< although it is none
 
-    constexpr command plan(const settings&) const { return *this; }
+    constexpr command prepare(const settings&) const { return *this; }
 };
 
 class model {

@@ -19,7 +19,7 @@
 namespace c630s_scenes {
 
 struct command {
-    std::function<routine_status(d&)> run;
+    std::function<command_status(d&)> run;
     std::function<errc(d&)> begin;
 };
 template <class Wanted> command command_to(Wanted wanted) {
@@ -198,7 +198,7 @@ inline bool begins(const row& o, rig& r) {
     return false;
 }
 /// Checks the end of a command without a fault.
-inline void check_end(const row& o, rig& r, const routine_status& got) {
+inline void check_end(const row& o, rig& r, const command_status& got) {
     if (got) CHECK(o.is_done(r));
     if (got) return;
     if (o.from == moving && present().segment_start_is_level) {
@@ -228,7 +228,7 @@ inline std::size_t disturb_each_frame(const row& o, mishap what, const sim::c630
         const sim::c630s before = r.model();
         const std::size_t first = r.port.requests.size();
         r.port.plan(what, k);
-        const routine_status got = o.asked.run(r.drive);
+        const command_status got = o.asked.run(r.drive);
         if (!r.port.has_struck()) {
             CHECK(k != 0);
             check_end(o, r, got);
@@ -247,7 +247,7 @@ inline std::size_t disturb_each_frame(const row& o, mishap what, const sim::c630
 inline void take_over(const sim::c630s& left) {
     rig r{left, left.address()};
     r.port.pass(milliseconds(300));
-    const routine_status got = r.drive.run(init{});
+    const command_status got = r.drive.run(init{});
     const auto stop = modbus::write_frame(left.address(), target_speed.address, std::array<u16, 2>{0, 0});
     CHECK(same_bytes(r.port.requests[0], stop));
     CHECK(motions(r.port.requests) == 0);

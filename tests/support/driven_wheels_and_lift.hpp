@@ -67,9 +67,8 @@ struct wheels_and_lift_program {
         while (on.port().time_us() < end) turn();
     }
     template <class Drive, class Wanted>
-    servobus::routine_status command(Drive& drive, const Wanted& wanted) {
-        if (const servobus::errc refusal = drive.begin(wanted); refusal != servobus::errc::ok)
-            return servobus::routine_status{refusal};
+    servobus::command_status command(Drive& drive, const Wanted& wanted) {
+        if (const servobus::command_status begun = drive.begin(wanted); !begun) return begun;
         for (tests::loop_bound left{"the end of a command"}; !drive.is_idle(); left.use()) turn();
         return drive.last();
     }

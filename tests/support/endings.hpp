@@ -12,7 +12,7 @@
 #include <servobus/control/drive_model.hpp>
 
 struct endings {
-    servobus::routine_status status{};
+    servobus::command_status status{};
     servobus::duration watchdog{};
     servobus::response_limits limits{};
 
@@ -21,7 +21,7 @@ struct endings {
         status = {};
         return {true, servobus::no_steps, status, read, watchdog, limits};
     }
-    servobus::ending failed(const servobus::routine_status& how,
+    servobus::ending failed(const servobus::command_status& how,
                             servobus::routine steps = servobus::no_steps) {
         status = how;
         return {false, steps, status, {}, watchdog, limits};

@@ -43,36 +43,36 @@ inline constexpr auto many_writes = [] {
 }();
 } // namespace routines
 
-inline prepared_command plan(halt, const settings& known) {
-    if (present != flaw::still_turning) return winch::plan(halt{}, known);
+inline prepared_command prepare(halt, const settings& known) {
+    if (present != flaw::still_turning) return winch::prepare(halt{}, known);
     return {.steps = routines::halts_for_long, .stop = stop_priority::halt, .limit = milliseconds(200'000)};
 }
-inline prepared_command plan(disable, const settings& known) {
-    prepared_command c = winch::plan(disable{}, known);
+inline prepared_command prepare(disable, const settings& known) {
+    prepared_command c = winch::prepare(disable{}, known);
     if (present == flaw::disable_is_no_stop) c.stop = stop_priority::no_stop;
     return c;
 }
-inline prepared_command plan(fault_reset, const settings& known) {
-    prepared_command c = winch::plan(fault_reset{}, known);
+inline prepared_command prepare(fault_reset, const settings& known) {
+    prepared_command c = winch::prepare(fault_reset{}, known);
     if (present == flaw::mute_after_reset) c.steps = routines::clear_only;
     return c;
 }
-inline prepared_command plan(read_feedback, const settings& known) {
-    prepared_command c = winch::plan(read_feedback{}, known);
+inline prepared_command prepare(read_feedback, const settings& known) {
+    prepared_command c = winch::prepare(read_feedback{}, known);
     if (present == flaw::reads_beyond) c.steps = routines::reads_beyond;
     return c;
 }
 /// The motor searches home, three seconds away.
 struct home {
     static constexpr std::int32_t place = 30'000;
-    constexpr prepared_command plan(const winch::cached_settings& known) const {
-        prepared_command c = winch::move_to{place * units::pulse}.plan(known);
+    constexpr prepared_command prepare(const winch::cached_settings& known) const {
+        prepared_command c = winch::move_to{place * units::pulse}.prepare(known);
         c.steps = routines::home;
         return c;
     }
 };
 struct write_often {
-    constexpr prepared_command plan(const winch::cached_settings& known) const {
+    constexpr prepared_command prepare(const winch::cached_settings& known) const {
         return {.steps = routines::many_writes, .refusal = winch::needs_init_done(known)};
     }
 };
@@ -113,10 +113,10 @@ template <class Line> class drive : public facade<model, Line> {
     drive(Line& on, std::uint8_t at, const optional_supervision& by)
         : base{on, node<winch::device>{at}, by.feedback, by.command_timeout} {}
 
-    template <class Wanted> [[nodiscard]] errc begin(const Wanted& wanted) {
-        const errc refused = base::begin(wanted);
-        if (present == flaw::refusal_sends && refused == errc::needs_init) (void)base::run(disable{});
-        return refused;
+    template <class Wanted> command_status begin(const Wanted& wanted) {
+        const command_status begun = base::begin(wanted);
+        if (present == flaw::refusal_sends && begun == errc::needs_init) (void)base::run(disable{});
+        return begun;
     }
     winch::arrival arrival() const {
         if (this->state() == drive_state::needs_init) return {};
@@ -126,7 +126,7 @@ template <class Line> class drive : public facade<model, Line> {
         if (const errc why = this->check_feedback(oldest); why != errc::ok) return why;
         return winch::feedback::from_words(this->image());
     }
-    result<winch::feedback> read() { return base::run(read_feedback{}).status; }
+    result<winch::feedback> read() { return servobus::status{base::run(read_feedback{})}; }
 };
 
 // --- The subject

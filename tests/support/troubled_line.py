@@ -63,7 +63,7 @@ class TroubledLine:
         for port in (self.ours, self.theirs, *self.drives):
             os.close(port)
 
-    def plan(self, after: float, data: bytes):
+    def prepare(self, after: float, data: bytes):
         heapq.heappush(self.planned, (time.monotonic() + after, len(self.planned), data))
 
     def carry(self):
@@ -80,7 +80,7 @@ class TroubledLine:
                 next_master = now + self.troubles.master_each
                 self.troubles.note("master_each")
                 os.write(self.ours, frame("07 03 00 10 00 01"))
-                self.plan(0.012, frame("07 03 02 00 2A"))
+                self.prepare(0.012, frame("07 03 02 00 2A"))
             ready = select.select([self.ours, *self.drives], [], [], 0.002)[0]
             for one in ready:
                 data = self.whole(one)
@@ -124,7 +124,7 @@ class TroubledLine:
             t.note("delay")
         if number:
             t.note("second_after")
-        self.plan(t.delay + number * t.second_after, response)
+        self.prepare(t.delay + number * t.second_after, response)
 
 
 @contextmanager

@@ -261,7 +261,7 @@ template <class A> struct scene : A {
     /// G16, G21: a command that was not sent wrote nothing, and an unknown outcome invalidates the cached
     /// state.
     void check_failure() {
-        const routine_status r = this->drive.last();
+        const command_status r = this->drive.last();
         CHECK((r.outcome() == outcome::not_sent || r.outcome() == outcome::unknown ||
                this->model.refused != 0));
         if (r.outcome() == outcome::unknown) CHECK(this->drive.state() == drive_state::needs_init);

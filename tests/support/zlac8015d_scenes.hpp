@@ -289,7 +289,7 @@ struct scene : rig {
     /// G16, G21: a command that was not sent wrote nothing, a setpoint that was not executed is not in the
     /// drive, and any other unknown outcome invalidates the cached state.
     void check_failure() {
-        const routine_status r = drive.last();
+        const command_status r = drive.last();
         CHECK((r.outcome() == outcome::not_sent || r.outcome() == outcome::unknown || model.refused != 0));
         if (r.error() == errc::not_executed) {
             CHECK_FALSE(of.is_done(*this));

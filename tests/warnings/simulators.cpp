@@ -95,7 +95,7 @@ bool explain(const yako::open_loop::drive<scheduled_line<sim::virtual_line>>& ax
     return is_explained(axis, yako::open_loop::home{yako::homing::home_24}) &&
            is_explained(servo, c630s::set<c630s::di1_function>{checked(c630s::input_function::none)});
 }
-const char* what_failed(const zlac8015d::velocity&, const routine_status& r) {
+const char* what_failed(const zlac8015d::velocity&, const command_status& r) {
     return r.has_register() && r.register_address() == 0x2088 ? command_text<zlac8015d::velocity>
                                                               : text(step::kind::confirm);
 }

@@ -56,7 +56,7 @@ int complain_of(const char* name, const std::string& why) {
 }
 
 int open_serial(native::serial& port, const char* name, const serial_settings& settings) {
-    const errc why = port.open(name, settings);
+    const errc why = port.open(name, settings).error();
     if (why == errc::ok) return done;
     if (why == errc::busy) {
         std::string users;
@@ -144,10 +144,10 @@ int any_port::open(const char* name, const serial_settings& settings) {
     const char* service = service_.c_str();
     if (has_mbap) {
         auto& port = port_.emplace<mbap>();
-        return explain_failure(port.stream(), name, port.open(host, service));
+        return explain_failure(port.stream(), name, port.open(host, service).error());
     }
     auto& port = port_.emplace<native::tcp>();
-    return explain_failure(port, name, port.open(host, service));
+    return explain_failure(port, name, port.open(host, service).error());
 }
 
 void any_port::set_peer_unit(std::uint8_t unit) {
@@ -170,7 +170,7 @@ void any_port::pause_before_connecting() {
     connected_at_ = native::monotonic_now();
 }
 
-servobus::errc any_port::reconnect() {
+servobus::status any_port::reconnect() {
     if (!is_network()) return errc::ok;
     pause_before_connecting();
     ++connections_;
@@ -185,7 +185,7 @@ servobus::errc any_port::reconnect() {
     return tcp.open(host_.c_str(), service_.c_str());
 }
 
-servobus::errc any_port::reopen() {
+servobus::status any_port::reopen() {
     return is_network() ? reconnect() : std::get<native::serial>(port_).open(name_.c_str(), settings_);
 }
 

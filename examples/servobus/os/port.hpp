@@ -47,7 +47,7 @@ class any_port {
     void set_peer_unit(std::uint8_t unit);
 
     /// Opens the port of the last `open` again, without a complaint.
-    servobus::errc reopen();
+    servobus::status reopen();
     /// In the network: from now on a connection that the peer has closed while no request was under way is made anew as
     /// it is found. Says so on standard error, once.
     void keep_connected() { keeps_connected_ = true; }
@@ -62,7 +62,7 @@ class any_port {
 
     /// In the network: drops the connection with what has not left, and connects anew. A connection loses nothing, so
     /// a request that is late would still be carried out, and over `tcp://` its response be taken for the next one.
-    servobus::errc reconnect();
+    servobus::status reconnect();
 
     /// The number of the last failure, for `os::error_text`; 0 if there was none.
     int os_error() const;

@@ -92,23 +92,23 @@ class bus : detail::cyclic_reads<Plan, Line, Drives...> {
     /// Blocking: runs a command of one drive to its end while the reads and the other drives go on. The command
     /// timeout of that drive begins again meanwhile. Errors: the command's own; `bad_argument` for a drive that is
     /// not on this bus.
-    template <class Drive, class Wanted> routine_status run(Drive& drive, const Wanted& wanted) {
+    template <class Drive, class Wanted> command_status run(Drive& drive, const Wanted& wanted) {
         static_assert((std::is_same_v<Drive, Drives> || ...), "a bus runs commands of its own drives");
         bool is_own = false;
         drives_.each([&](std::size_t, const auto& own) {
             is_own = is_own || static_cast<const void*>(&own) == static_cast<const void*>(&drive);
         });
-        if (!is_own) return routine_status{errc::bad_argument};
+        if (!is_own) return errc::bad_argument;
         if constexpr (requires { requires Drive::template repeats<Wanted>; }) {
             for (;;) {
                 const instant begun = line_->now();
-                const routine_status how = run_once(drive, wanted);
+                const command_status how = run_once(drive, wanted);
                 if (!how || !drive.is_changing_speed()) return how;
                 const bool is_due = run_while([&] {
                     drive.machine().supervisors().note_command(line_->now());
                     return since(begun, line_->now()) < milliseconds(20);
                 });
-                if (!is_due) return routine_status{errc::clock_stopped};
+                if (!is_due) return errc::clock_stopped;
             }
         } else {
             return run_once(drive, wanted);
@@ -116,7 +116,7 @@ class bus : detail::cyclic_reads<Plan, Line, Drives...> {
     }
     /// Blocking: runs a command that is made of others, such as `take_over`. Returns which of them failed, and how.
     template <class Drive, commands::made_of_commands Wanted>
-    typename Wanted::status_of_parts run(Drive& drive, const Wanted& wanted) {
+    command_status run(Drive& drive, const Wanted& wanted) {
         return wanted.run_by(drive, [&](const auto& part) { return this->run(drive, part); });
     }
     /// Blocking: runs a move of one drive and waits for its end. Returns what `drive.run(move, end)` does.
@@ -172,9 +172,9 @@ class bus : detail::cyclic_reads<Plan, Line, Drives...> {
     }
 
   private:
-    template <class Drive, class Wanted> routine_status run_once(Drive& drive, const Wanted& wanted) {
-        const errc refusal = drive.machine().note_refusal(drive.begin(wanted));
-        if (refusal != errc::ok) return routine_status{refusal};
+    template <class Drive, class Wanted> command_status run_once(Drive& drive, const Wanted& wanted) {
+        const errc refusal = drive.machine().note_refusal(drive.begin(wanted).error());
+        if (refusal != errc::ok) return refusal;
         const bool has_ended = run_while([&] {
             drive.machine().supervisors().note_command(line_->now());
             return !drive.is_idle();

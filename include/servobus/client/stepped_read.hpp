@@ -42,7 +42,7 @@ requires(is_register<R> && !detail::is_in_other_table<R>) class stepped_read<Cli
 
     /// Begins to read. Errors: `busy` while a read is under way, which goes on; `needs_word_order`;
     /// `bad_argument`.
-    constexpr errc begin() { return base::template begin_value<row::words>(frame_, R.address); }
+    constexpr status begin() { return base::template begin_value<row::words>(frame_, R.address); }
     /// Moves on without waiting. Returns the time within which nothing happens unless a byte comes.
     constexpr duration step() { return base::move_on(frame_); }
     /// The value that was read, or why there is none: the errors of `Client::read`, `busy` while the read is
@@ -71,7 +71,7 @@ requires(is_register_array<Rows> && !detail::is_in_other_table<Rows>) class step
     constexpr explicit stepped_read(Client& of) : base{base::link_of(of)} {}
 
     /// Begins to read element `index`. Errors: as of one register; `bad_argument` if there is none.
-    constexpr errc begin(std::size_t index) {
+    constexpr status begin(std::size_t index) {
         if (!base::done()) return errc::busy;
         if (index >= rows::size) return base::refused(errc::bad_argument);
         return base::template begin_value<rows::words>(frame_, Rows[index].address);
@@ -100,7 +100,7 @@ requires(sizeof...(Rs) > 1 && !(detail::is_in_other_table<Rs> || ...)) class ste
   public:
     constexpr explicit stepped_read(Client& of) : base{base::link_of(of)} {}
 
-    constexpr errc begin() { ///< as of one register
+    constexpr status begin() { ///< as of one register
         if (!base::done()) return errc::busy;
         if (const errc why = base::order_known_if(readings<Rs...>::has_pairs); why != errc::ok)
             return base::refused(why);
@@ -181,8 +181,8 @@ class stepped_read_words : public detail::stepped_request<typename Client::link_
     constexpr explicit stepped_read_words(Client& of) : base{base::link_of(of)} {}
 
     /// Begins to read `count` registers from `address` on, function 03 or 04. Errors: `busy`, `bad_argument`.
-    constexpr errc begin(u16 address, std::size_t count = Most,
-                         modbus::function code = modbus::function::read_holding_registers) {
+    constexpr status begin(u16 address, std::size_t count = Most,
+                           modbus::function code = modbus::function::read_holding_registers) {
         if (!base::done()) return errc::busy;
         if (count == 0 || count > Most) return base::refused(errc::bad_argument);
         count_ = static_cast<u16>(count);

@@ -66,7 +66,7 @@ requires(detail::is_in_other_table<R> && !is_register_array<R>) class stepped_re
   public:
     constexpr explicit stepped_read(Client& of) : base{of} {}
 
-    constexpr errc begin() { ///< as of a register
+    constexpr status begin() { ///< as of a register
         if (!base::done()) return errc::busy;
         return base::begin_part(readings<R>::plan.requests[0]);
     }
@@ -82,7 +82,7 @@ requires(detail::is_in_other_table<Rows>&& is_register_array<Rows>) class steppe
     constexpr explicit stepped_read(Client& of) : base{of} {}
 
     /// Begins to read element `index`. Errors: as of a register; `bad_argument` if there is none.
-    constexpr errc begin(std::size_t index) {
+    constexpr status begin(std::size_t index) {
         if (!base::done()) return errc::busy;
         if (index >= row_type<Rows>::size) return base::refused(errc::bad_argument);
         table_extent part = readings<at<Rows, 0>>::plan.requests[0];
@@ -105,7 +105,7 @@ requires(sizeof...(Rs) > 1 && (detail::is_in_other_table<Rs> || ...)) class step
     // cppcheck-suppress uninitMemberVar ; a request fills it, and a small core has no memset
     constexpr explicit stepped_read(Client& of) : base{base::link_of(of)} {}
 
-    constexpr errc begin() { ///< as of a register
+    constexpr status begin() { ///< as of a register
         if (!base::done()) return errc::busy;
         if (const errc why = base::order_known_if(values::has_pairs); why != errc::ok)
             return base::refused(why);
@@ -160,7 +160,7 @@ class stepped_put<Client, Wears, R> : public stepped_table_request<typename Clie
     constexpr explicit stepped_put(Client& of) : base{base::link_of(of)} {}
 
     /// Begins to write a coil. Errors: `busy` while a write is under way, which goes on; `bad_argument`.
-    constexpr errc begin(register_value<R> value) {
+    constexpr status begin(register_value<R> value) {
         check_coils<typename Client::device, Wears, R>();
         return base::begin_coil(frame_, R.address, value.bits() != 0);
     }
@@ -181,7 +181,7 @@ requires(is_register_array<Rows>&& has_bits<Rows>) class stepped_put<Client, Wea
     constexpr explicit stepped_put(Client& of) : base{base::link_of(of)} {}
 
     /// Begins to write element `index`. Errors: as of one coil; `bad_argument` if there is none.
-    constexpr errc begin(std::size_t index, register_value<at<Rows, 0>> value) {
+    constexpr status begin(std::size_t index, register_value<at<Rows, 0>> value) {
         check_coils<typename Client::device, Wears, at<Rows, 0>>();
         if (!base::done()) return errc::busy;
         if (index >= row_type<Rows>::size) return base::refused(errc::bad_argument);
@@ -206,7 +206,7 @@ requires(sizeof...(Rs) > 1 && (is_bit<Rs> || ...)) class stepped_put<Client, Wea
     constexpr explicit stepped_put(Client& of) : base{base::link_of(of)} {}
 
     /// Begins to write adjacent coils in one frame: all or nothing. Errors: as of one coil.
-    constexpr errc begin(register_value<Rs>... values) {
+    constexpr status begin(register_value<Rs>... values) {
         check_coils<typename Client::device, Wears, Rs...>();
         if (!base::done()) return errc::busy;
         plan::put(frame_, values...);
@@ -231,7 +231,7 @@ class stepped_change_bits : public detail::stepped_table_request<typename Client
     constexpr explicit stepped_change_bits(Client& of) : base{base::link_of(of)} {}
 
     /// Begins to set the bits of `Mask` to those of `value`. Errors: `busy`, `bad_argument`.
-    constexpr errc begin(u16 value) {
+    constexpr status begin(u16 value) {
         detail::check_mask<typename Client::device, R, Mask>();
         if (!base::done()) return errc::busy;
         change_ = base::template change_of<is_cached>(true);
@@ -259,7 +259,7 @@ class stepped_write_then_read : public detail::stepped_table_request<typename Cl
     constexpr explicit stepped_write_then_read(Client& of) : base{base::link_of(of)} {}
 
     /// Begins to write the registers `Ws`, and to read those of `Reads` after that. Errors: as of a write.
-    constexpr errc begin(register_value<Ws>... values) {
+    constexpr status begin(register_value<Ws>... values) {
         plan::check();
         if (!base::done()) return errc::busy;
         typename base::condition on;

@@ -37,7 +37,7 @@ class stepped_put<Client, Wears, R> : public stepped_request<typename Client::li
 
     /// Begins to write. Errors: `busy` while a write is under way, which goes on; the value's own,
     /// `needs_word_order`, `bad_argument`.
-    constexpr errc begin(register_value<R> value) {
+    constexpr status begin(register_value<R> value) {
         static_assert(
             Wears || !has(R.flags, flag::saved_on_write),
             "every write of this register wears the drive's EEPROM: stepped_store it, or begin with "
@@ -46,7 +46,7 @@ class stepped_put<Client, Wears, R> : public stepped_request<typename Client::li
     }
     /// As above, for a register that the device can keep in its EEPROM. `needs_init` if `token` is void, or becomes
     /// void before the write leaves.
-    constexpr errc begin(register_value<R> value, servobus::ram_only token) {
+    constexpr status begin(register_value<R> value, servobus::ram_only token) {
         static_assert(base::has_tokens, "this device keeps writes only when told to");
         return begin(value, base::needing(token));
     }
@@ -54,7 +54,7 @@ class stepped_put<Client, Wears, R> : public stepped_request<typename Client::li
     constexpr duration step() { return base::move_on_and_note(frame_, change_); }
 
   private:
-    constexpr errc begin(register_value<R> value, typename base::condition on) {
+    constexpr status begin(register_value<R> value, typename base::condition on) {
         if (!base::done()) return errc::busy;
         if (value.error() != errc::ok) return base::refused(value.error());
         change_ = base::template change_of<is_cached>(true);
@@ -79,21 +79,22 @@ requires(is_register_array<Rows> && !has_bits<Rows>) class stepped_put<Client, W
     constexpr explicit stepped_put(Client& of) : base{base::link_of(of)} {}
 
     /// Begins to write element `index`. Errors: as of one register; `bad_argument` if there is none.
-    constexpr errc begin(std::size_t index, register_value<at<Rows, 0>> value) {
+    constexpr status begin(std::size_t index, register_value<at<Rows, 0>> value) {
         static_assert(
             Wears || !has(at<Rows, 0>.flags, flag::saved_on_write),
             "every write of this register wears the drive's EEPROM: stepped_store it, or begin with "
             "what ram_only() gives");
         return begin(index, value, typename base::condition{});
     }
-    constexpr errc begin(std::size_t index, register_value<at<Rows, 0>> value, servobus::ram_only token) {
+    constexpr status begin(std::size_t index, register_value<at<Rows, 0>> value, servobus::ram_only token) {
         static_assert(base::has_tokens, "this device keeps writes only when told to");
         return begin(index, value, base::needing(token));
     }
     constexpr duration step() { return base::move_on_and_note(frame_, change_); } ///< as of one register
 
   private:
-    constexpr errc begin(std::size_t index, register_value<at<Rows, 0>> value, typename base::condition on) {
+    constexpr status begin(std::size_t index, register_value<at<Rows, 0>> value,
+                           typename base::condition on) {
         if (!base::done()) return errc::busy;
         if (index >= rows::size) return base::refused(errc::bad_argument);
         if (value.error() != errc::ok) return base::refused(value.error());
@@ -118,7 +119,7 @@ requires(sizeof...(Rs) > 1 && !(is_bit<Rs> || ...)) class stepped_put<Client, We
     constexpr explicit stepped_put(Client& of) : base{base::link_of(of)} {}
 
     /// Begins to write adjacent registers in one frame: all or nothing. Errors: as of one register.
-    constexpr errc begin(register_value<Rs>... values) {
+    constexpr status begin(register_value<Rs>... values) {
         static_assert(Wears || !(has(Rs.flags, flag::saved_on_write) || ...),
                       "every write of this register wears the drive's EEPROM: stepped_store it");
         if (!base::done()) return errc::busy;
@@ -174,7 +175,7 @@ class stepped_write_words : public detail::stepped_request<typename Client::link
     constexpr explicit stepped_write_words(Client& of) : base{base::link_of(of)} {}
 
     /// Begins to write `words` from `address` on, function 10h. Errors: `busy`, `bad_argument`.
-    constexpr errc begin(u16 address, slice<const u16> words) {
+    constexpr status begin(u16 address, slice<const u16> words) {
         if (!base::done()) return errc::busy;
         if (words.empty() || words.size() > Most ||
             !modbus::fits_address_space(address, static_cast<u16>(words.size())))
@@ -184,7 +185,7 @@ class stepped_write_words : public detail::stepped_request<typename Client::link
         return base::begin_block(frame_, words.size(), address, {});
     }
     /// Begins to write one register, function 06. Errors: as above.
-    constexpr errc begin(u16 address, u16 word) {
+    constexpr status begin(u16 address, u16 word) {
         if (!base::done()) return errc::busy;
         change_ = base::template change_of<is_cached>(Client::link_type::is_cached(address, 1));
         return base::template begin_value<1>(frame_, address, word, {}, false);

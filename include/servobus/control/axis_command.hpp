@@ -5,7 +5,7 @@
 // its length is rounded to counts. The model of such a drive has it as its `prepared_command`.
 //
 //     using command = axis_command<yako::prepared_command>;
-//     constexpr command stop = yako::plan(halt{}, {}); // every command of the drive is one
+//     constexpr command stop = yako::prepare(halt{}, {}); // every command of the drive is one
 //     static_assert(!stop.carries);
 #pragma once
 

@@ -80,10 +80,13 @@ void moves_or_energises(const travel_at*);
 void moves_or_energises(const hold_at*);
 
 /// Where the last move of an axis has come to.
-struct axis_arrival {
+struct [[nodiscard]] axis_arrival {
     arrival_state how = arrival_state::none;
     stop_cause cause = stop_cause::unknown; ///< why it `stopped_short`
     micrometres missing{};                  ///< from where the axis is to its target
+
+    /// At rest at its target.
+    constexpr explicit operator bool() const { return how == arrival_state::reached; }
 };
 
 } // namespace servobus

@@ -12,8 +12,8 @@
 
 #include <servobus/axis/axis_place.hpp>
 #include <servobus/control/axis_commands.hpp>
+#include <servobus/control/command_status.hpp>
 #include <servobus/control/common_commands.hpp>
-#include <servobus/control/routine_status.hpp>
 #include <servobus/core/result.hpp>
 #include <servobus/core/time.hpp>
 
@@ -29,7 +29,7 @@ template <class Wanted> struct command_of_axis {
     const axis_place& at;
     const Wanted& wanted;
 
-    template <class Settings> constexpr auto plan(const Settings& known) const {
+    template <class Settings> constexpr auto prepare(const Settings& known) const {
         return plan_on_axis(wanted, at, known);
     }
 };
@@ -44,7 +44,7 @@ template <class Drive> class axis_facade : public Drive {
     constexpr const axis& geometry() const { return this->model().place().geometry(); }
 
     /// As the drive's own, also for the commands of an axis.
-    template <class Wanted> routine_status run(const Wanted& wanted) {
+    template <class Wanted> command_status run(const Wanted& wanted) {
         if constexpr (detail::axis_planned<Wanted, settings>) {
             return Drive::run(with_geometry(wanted));
         } else {
@@ -52,10 +52,10 @@ template <class Drive> class axis_facade : public Drive {
         }
     }
     /// Runs a command that is made of others, such as `take_over`. Waits. Returns which of them failed, and how.
-    template <commands::made_of_commands Wanted> typename Wanted::status_of_parts run(const Wanted& wanted) {
+    template <commands::made_of_commands Wanted> command_status run(const Wanted& wanted) {
         return wanted.run_by(*this, [this](const auto& part) { return this->run(part); });
     }
-    template <class Wanted> [[nodiscard]] constexpr errc begin(const Wanted& wanted) {
+    template <class Wanted> constexpr command_status begin(const Wanted& wanted) {
         if constexpr (detail::axis_planned<Wanted, settings>) {
             return Drive::begin(with_geometry(wanted));
         } else {

@@ -5,7 +5,7 @@
 // other programs nothing.
 //
 //     template <class Drive, class Command> bool tried(Drive& drive, const Command& wanted) {
-//         const routine_status r = drive.run(wanted);
+//         const command_status r = drive.run(wanted);
 //         if (!r) std::printf("%s: %s\n", command_text<Command>, text(r.error())); // move_by: no response
 //         return static_cast<bool>(r);
 //     }
@@ -44,7 +44,7 @@ template <class Command> inline constexpr type_name name_of = name_of_type<Comma
 /// class template, `yako::closed_loop::home` "basic_home".
 template <class Command> inline constexpr const char* command_text = detail::name_of<Command>.letters;
 
-/// The work of a step in words. Its register is `routine_status::register_address()` of a command that ended there.
+/// The work of a step in words. Its register is `command_status::register_address()` of a command that ended there.
 constexpr const char* text(step::kind what) {
     switch (what) {
     case step::kind::write: return "write";

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSL-1.0
 //
 // The commands that every drive has, so that one program drives any of them. Each device makes its routines of them by
-// functions `plan(command, settings)`, whose comments say what differs. Programs get it with the header of a device.
+// functions `prepare(command, settings)`, whose comments say what differs. Programs get it with the header of a device.
 //
 //     template <class Drive> bool take_over(Drive& drive) {
 //         if (!drive.run(init{})) return false;
@@ -57,18 +57,18 @@ namespace commands {
 /// A command that is made of others, which a facade runs one after the other, such as `take_over`.
 template <class Wanted>
 concept made_of_commands = requires {
-    typename Wanted::status_of_parts;
+    requires Wanted::is_made_of_commands;
 };
 
 /// A command made ready by its own `plan`, or, for a common one, by the device's.
 template <class Command, class Settings>
 constexpr auto prepared(const Command& wanted, const Settings& known) {
-    if constexpr (requires { wanted.plan(known); }) {
-        return wanted.plan(known);
+    if constexpr (requires { wanted.prepare(known); }) {
+        return wanted.prepare(known);
     } else {
         static_assert(
-            requires { plan(wanted, known); }, "this drive has no such command");
-        return plan(wanted, known);
+            requires { prepare(wanted, known); }, "this drive has no such command");
+        return prepare(wanted, known);
     }
 }
 } // namespace commands

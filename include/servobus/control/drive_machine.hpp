@@ -85,7 +85,7 @@ template <class Model, class Exchange> class drive_machine {
     }
     /// The refusal becomes the report, unless a command is under way. Returns it.
     constexpr errc note_refusal(errc refusal) {
-        if (refusal != errc::ok && slot_.is_idle()) slot_.set_report(routine_status{refusal});
+        if (refusal != errc::ok && slot_.is_idle()) slot_.set_report(refusal);
         return refusal;
     }
     /// Ends the command under way with an error, and drops its frame: `notify` abandons it, also on the wire.

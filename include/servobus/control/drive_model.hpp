@@ -14,9 +14,9 @@
 #include <concepts>
 #include <cstdint>
 
+#include <servobus/control/command_status.hpp>
 #include <servobus/control/drive_traits.hpp>
 #include <servobus/control/image.hpp>
-#include <servobus/control/routine_status.hpp>
 #include <servobus/control/states.hpp>
 #include <servobus/control/step.hpp>
 #include <servobus/core/response_limits.hpp>
@@ -68,7 +68,7 @@ struct block_feedback {
 struct ending {
     bool is_done;                     ///< false: it has failed
     routine steps;                    ///< the table that has ended
-    const routine_status& status;     ///< how, and at which of its steps
+    const command_status& status;     ///< how, and at which of its steps
     slice<const std::uint16_t> words; ///< what it has read
     /// The time of the drive's watchdog, which a command that failed may have made shorter.
     duration& watchdog;

@@ -51,7 +51,7 @@ template <class Model, class Line> class facade {
     /// True if no command is under way, nor a stop of a supervisor.
     constexpr bool is_idle() const { return machine_.slot().is_idle(); }
     /// The end of the application's last command; meaningful when idle. A copy, since the next command has another.
-    constexpr routine_status last() const { return machine_.slot().report(); }
+    constexpr command_status last() const { return machine_.slot().report(); }
     /// `faulted` if the last feedback shows a fault.
     constexpr drive_state state() const { return machine_.known().state(); }
     /// Returns the settings as far as they are known now.
@@ -73,10 +73,10 @@ template <class Model, class Line> class facade {
 
     /// Runs a command to its end. Waits; bounded by the routine's limits. The command timeout begins again
     /// meanwhile. Errors: the command's own; `preempted` if a stop replaced it.
-    template <class Wanted> routine_status run(const Wanted& wanted) {
+    template <class Wanted> command_status run(const Wanted& wanted) {
         prepared_command next = planned(wanted);
         if constexpr (changes_cached_settings<Wanted>) {
-            const routine_status how = run_planned(next);
+            const command_status how = run_planned(next);
             if (how.outcome() != outcome::not_sent) note_change();
             return how;
         } else {
@@ -84,7 +84,7 @@ template <class Model, class Line> class facade {
         }
     }
     /// Runs a command that is made of others, such as `take_over`. Waits. Returns which of them failed, and how.
-    template <commands::made_of_commands Wanted> typename Wanted::status_of_parts run(const Wanted& wanted) {
+    template <commands::made_of_commands Wanted> command_status run(const Wanted& wanted) {
         return wanted.run_by(*this, [this](const auto& part) { return this->run(part); });
     }
 
@@ -94,7 +94,7 @@ template <class Model, class Line> class facade {
     /// for a feedback period shorter than its frames. It is also for a drive that its bus refuses, and for a plan with
     /// neither steps nor a refusal. A command that only the command timeout ends (`needs_command_timeout`) gets it
     /// where there is none.
-    template <class Wanted> [[nodiscard]] constexpr errc begin(const Wanted& wanted) {
+    template <class Wanted> constexpr command_status begin(const Wanted& wanted) {
         prepared_command next = planned(wanted);
         const errc refusal = accept(next);
         if constexpr (changes_cached_settings<Wanted>) {
@@ -226,9 +226,8 @@ template <class Model, class Line> class facade {
         return refusal;
     }
     // Runs a prepared command: one copy of code for all commands.
-    routine_status run_planned(prepared_command& next) {
-        if (const errc refusal = machine_.note_refusal(accept(next)); refusal != errc::ok)
-            return routine_status{refusal};
+    command_status run_planned(prepared_command& next) {
+        if (const errc refusal = machine_.note_refusal(accept(next)); refusal != errc::ok) return refusal;
         const std::uint8_t mine = machine_.slot().number();
         auto guard = line_->new_stall_detector();
         while (!is_idle()) {
@@ -240,7 +239,7 @@ template <class Model, class Line> class facade {
             }
             line_->sleep(idle);
         }
-        return machine_.slot().number() == mine ? last() : routine_status{status::sent(errc::preempted)};
+        return machine_.slot().number() == mine ? last() : command_status{status::sent(errc::preempted)};
     }
     constexpr void give_up(errc why) {
         machine_.give_up(why, line_->now());

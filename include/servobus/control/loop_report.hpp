@@ -5,7 +5,7 @@
 //
 //     void print(const loop_report& ended) { // "enable: the drive reports a fault"
 //         std::printf("%s: %s\n", text(ended.what), text(ended.how.error()));
-//         if (ended.what == loop_part::take_over) std::printf("  at %s %u\n", text(ended.at), unsigned{ended.setting});
+//         if (ended.what == loop_part::take_over) std::printf("  at %s %u\n", text(ended.how.part()), ended.how.setting());
 //     }
 #pragma once
 
@@ -13,8 +13,7 @@
 
 #include <cstdint>
 
-#include <servobus/control/routine_status.hpp>
-#include <servobus/control/take_over_status.hpp>
+#include <servobus/control/command_status.hpp>
 
 namespace servobus {
 
@@ -47,9 +46,7 @@ constexpr const char* text(loop_part p) {
 /// An end that the program has not been told yet. It is true if there is one.
 struct loop_report {
     loop_part what = loop_part::none;
-    take_over_part at = take_over_part::init; ///< of a take-over: where it ended
-    std::uint8_t setting = 0; ///< of a take-over: the number of the setting that failed, from 1; else 0
-    routine_status how{};
+    command_status how{}; ///< of a take-over also its part and setting
 
     constexpr explicit operator bool() const { return what != loop_part::none; }
 };

@@ -12,9 +12,9 @@
 
 #include <concepts>
 
+#include <servobus/control/command_status.hpp>
 #include <servobus/control/common_commands.hpp>
 #include <servobus/control/drive_traits.hpp>
-#include <servobus/control/routine_status.hpp>
 #include <servobus/control/states.hpp>
 #include <servobus/core/result.hpp>
 #include <servobus/core/time.hpp>
@@ -31,8 +31,8 @@ concept motor_feedback = requires(const Feedback& seen) {
 namespace detail {
 template <class Drive, class Command>
 concept carries_out = requires(Drive& drive, const Command& wanted) {
-    { drive.run(wanted) } -> std::same_as<routine_status>;
-    { drive.begin(wanted) } -> std::same_as<errc>;
+    { drive.run(wanted) } -> std::same_as<command_status>;
+    { drive.begin(wanted) } -> std::same_as<command_status>;
 };
 template <class Drive, class... Commands>
 concept carries_out_all = (carries_out<Drive, Commands> && ...);
@@ -47,7 +47,7 @@ concept motor_drive = detail::carries_out_all<Drive, init, enable, disable, halt
     drive.step();
     { seen.is_idle() } -> std::same_as<bool>;
     { seen.is_absent() } -> std::same_as<bool>;
-    { seen.last() } -> std::same_as<routine_status>;
+    { seen.last() } -> std::same_as<command_status>;
     { seen.state() } -> std::same_as<drive_state>;
     { seen.cause() } -> std::same_as<stop_cause>;
     { seen.arrival().how } -> std::convertible_to<arrival_state>;

@@ -31,14 +31,14 @@ concept stated_not_to_move = requires(const Command* c) {
 // A command without arguments, or with ones that have a default, is planned as if nothing were known of the drive.
 template <class Model, class Command>
 concept planned_by_default = requires {
-    typename std::bool_constant<(static_cast<void>(Command{}.plan(Model::unknown)), true)>;
+    typename std::bool_constant<(static_cast<void>(Command{}.prepare(Model::unknown)), true)>;
 };
 
 template <class Model, class Command> consteval bool is_moving_command() {
     if constexpr (std::same_as<Command, enable> || stated_to_move<Command>) {
         return true;
     } else if constexpr (!stated_not_to_move<Command> && planned_by_default<Model, Command>) {
-        constexpr auto then = Command{}.plan(Model::unknown).then;
+        constexpr auto then = Command{}.prepare(Model::unknown).then;
         constexpr command_kind kind = Model::kinds[then];
         return kind == command_kind::endless_motion || kind == command_kind::move || Model::kinds.moves(then);
     } else {

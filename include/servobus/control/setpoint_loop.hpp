@@ -110,23 +110,23 @@ class setpoint_loop {
     /// Begins another command of the drive: a move, a setting. `last()` of the drive, and a report, say how it ends.
     /// Errors: the command's own; `busy` if something is under way; `needs_init` until the drive is taken over;
     /// `wrong_state` for a command that moves or energises while motion is not allowed.
-    template <class Wanted> [[nodiscard]] constexpr errc begin(const Wanted& wanted) {
+    template <class Wanted> constexpr command_status begin(const Wanted& wanted) {
         if (asked_ != loop_part::none || !drive_->is_idle()) return errc::busy;
         if (!is_taken_over_) return errc::needs_init;
         if (may_move<detail::model_of_drive<Drive>, Wanted> && !may_move_) return errc::wrong_state;
-        const errc refusal = drive_->begin(wanted);
-        if (refusal == errc::ok) asked_ = loop_part::command;
+        const command_status refusal = drive_->begin(wanted);
+        if (refusal) asked_ = loop_part::command;
         return refusal;
     }
 
     // --- Stops, which go before everything else. Each ends that motion is allowed, also if the drive refuses it.
 
     /// Begins `halt{}`. Errors: the command's own.
-    constexpr errc halt() { return stop_by(servobus::halt{}); }
+    constexpr command_status halt() { return stop_by(servobus::halt{}); }
     /// Begins `quick_stop{}`. Errors: the command's own.
-    constexpr errc quick_stop() { return stop_by(servobus::quick_stop{}); }
+    constexpr command_status quick_stop() { return stop_by(servobus::quick_stop{}); }
     /// Begins `disable{}`. Errors: the command's own.
-    constexpr errc disable() { return stop_by(servobus::disable{}); }
+    constexpr command_status disable() { return stop_by(servobus::disable{}); }
 
     // --- What the program is told
 
@@ -161,15 +161,15 @@ class setpoint_loop {
         const errc why = seen_ == drive_state::needs_init ? errc::needs_init
                          : seen_ == drive_state::faulted  ? errc::faulted
                                                           : errc::wrong_state;
-        (void)reports_.note({.what = loop_part::permission, .how = routine_status{why}});
+        (void)reports_.note({.what = loop_part::permission, .how = why});
     }
     constexpr void withdraw() { may_enable_ = may_reset_ = may_move_ = is_set_ = false; }
     constexpr void allow_motion() { may_move_ = is_due_ = true; }
 
-    template <class Stop> constexpr errc stop_by(const Stop& wanted) {
+    template <class Stop> constexpr command_status stop_by(const Stop& wanted) {
         withdraw();
-        const errc refusal = drive_->begin(wanted);
-        if (refusal == errc::ok) asked_ = loop_part::stop;
+        const command_status refusal = drive_->begin(wanted);
+        if (refusal) asked_ = loop_part::stop;
         return refusal;
     }
 
@@ -177,7 +177,7 @@ class setpoint_loop {
     constexpr bool conclude() {
         const loop_part ended = asked_;
         if (ended == loop_part::none) return false;
-        const routine_status how = drive_->last();
+        const command_status how = drive_->last();
         if (ended == loop_part::take_over) {
             parts_.conclude(how, seen_);
             return parts_.is_over() && end_take_over();
@@ -197,7 +197,7 @@ class setpoint_loop {
         may_enable_ = false;
     }
     // The line worked, and the drive sent nothing.
-    static constexpr bool is_unanswered(const routine_status& how) {
+    static constexpr bool is_unanswered(const command_status& how) {
         return how.outcome() == outcome::unknown && how.error() >= errc::no_echo &&
                how.error() <= errc::bad_gap;
     }
@@ -207,13 +207,12 @@ class setpoint_loop {
         return wait_ * 2 < longest ? wait_ * 2 : longest;
     }
     constexpr bool end_take_over() {
-        const take_over_status done = parts_.status();
+        const command_status done = parts_.status();
         asked_ = loop_part::none;
         is_taken_over_ = static_cast<bool>(done);
-        wait_ = is_unanswered(done.command()) ? longer_wait() : retry_;
+        wait_ = is_unanswered(done) ? longer_wait() : retry_;
         if (!done) withdraw();
-        return reports_.note(
-            {loop_part::take_over, done.part(), static_cast<std::uint8_t>(done.setting()), done.command()});
+        return reports_.note({loop_part::take_over, done});
     }
 
     constexpr void begin_next() {
@@ -238,10 +237,10 @@ class setpoint_loop {
         }
     }
     constexpr void begin_part() {
-        const errc refusal =
+        const command_status refusal =
             list_.template apply<Drive>(parts_, [this](const auto& part) { return drive_->begin(part); });
-        if (refusal == errc::ok) return;
-        parts_.conclude(routine_status{refusal}, seen_);
+        if (refusal) return;
+        parts_.conclude(refusal, seen_);
         (void)end_take_over();
     }
     constexpr void begin_enable() {
@@ -267,11 +266,11 @@ class setpoint_loop {
         start(setpoint_, loop_part::setpoint);
     }
     template <class Wanted> constexpr void start(const Wanted& wanted, loop_part what) {
-        const errc refusal = drive_->begin(wanted);
-        if (refusal == errc::ok)
+        const command_status refusal = drive_->begin(wanted);
+        if (refusal)
             asked_ = what;
         else
-            (void)reports_.note({.what = what, .how = routine_status{refusal}});
+            (void)reports_.note({.what = what, .how = refusal});
     }
 
     Drive* drive_;

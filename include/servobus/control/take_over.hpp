@@ -11,12 +11,11 @@
 
 #include <cstddef>
 
+#include <servobus/control/command_status.hpp>
 #include <servobus/control/common_commands.hpp>
 #include <servobus/control/detail/command_list.hpp>
 #include <servobus/control/detail/take_over_progress.hpp>
 #include <servobus/control/moving_commands.hpp>
-#include <servobus/control/routine_status.hpp>
-#include <servobus/control/take_over_status.hpp>
 
 namespace servobus {
 
@@ -42,27 +41,27 @@ template <class Drive, class Setting> constexpr void check_setting() {
 /// With `with_fault_reset{}` as the first one the feedback is read after `init`, and a fault is reset. Without it a
 /// drive with a fault is taken over too: `state()` is `faulted` then, and a setting may be refused for it.
 ///
-/// Errors: those of the parts, and, as `take_over_status::part` says,
+/// Errors: those of the parts, and, as `part()` says,
 /// - `power_cycle`, `wrong_state`: the drive must be switched off and on; then take it over again, which goes on
 /// - `set_up`, `wrong_state`: the drive needs a set-up that is not among the settings
 /// - `reading`, `needs_init`: the drive has restarted meanwhile
 /// - `reading`, `faulted`: `with_fault_reset`, and the drive has a fault again
 template <class... Settings> class take_over {
     static constexpr std::size_t size = sizeof...(Settings) - (detail::asks_for_reset<Settings...> ? 1u : 0u);
-    static_assert(size < 255, "a take-over has at most 254 settings");
+    static_assert(size <= command_status::most_settings, "a take-over has at most 119 settings");
 
   public:
+    static constexpr bool is_made_of_commands = true;
     /// True with `with_fault_reset{}`.
     static constexpr bool resets_faults = detail::asks_for_reset<Settings...>;
-    using status_of_parts = take_over_status;
 
     constexpr explicit take_over(const Settings&... settings) : settings_{settings...} {}
 
-    /// Runs the parts by `run`, which returns the `routine_status` of a command of `drive`.
-    template <class Drive, class Run> constexpr take_over_status run_by(const Drive& drive, Run&& run) const {
+    /// Runs the parts by `run`, which returns how a command of `drive` ended.
+    template <class Drive, class Run> constexpr command_status run_by(const Drive& drive, Run&& run) const {
         detail::take_over_progress parts = begin();
         while (!parts.is_over()) {
-            const routine_status how = apply<Drive>(parts, run); // before its state is read
+            const command_status how = apply<Drive>(parts, run); // before its state is read
             parts.conclude(how, drive.state());
         }
         return parts.status();
@@ -86,7 +85,7 @@ template <class... Settings> class take_over {
     }
 
     /// A take-over is several commands.
-    template <class Known> constexpr auto plan(const Known&) const {
+    template <class Known> constexpr auto prepare(const Known&) const {
         static_assert(
             sizeof(Known) == 0,
             "a take_over is several commands: a facade or a bus runs it, or a setpoint_loop steps it");

@@ -42,7 +42,7 @@ template <port Stream> class mbap_port {
     /// Opens the stream, with its own arguments and errors, and forgets what was under way.
     template <class... Arguments>
     requires requires(Stream& s, Arguments&&... with) { s.open(std::forward<Arguments>(with)...); }
-    errc open(Arguments&&... with) {
+    status open(Arguments&&... with) {
         sent_ = sending_ = arrived_ = ready_ = taken_ = 0;
         is_broken_ = is_foreign_ = false;
         return stream_.open(std::forward<Arguments>(with)...);

@@ -47,7 +47,7 @@ class pseudo_terminal {
     /// the other side until `close`. An existing symbolic link of that name is replaced, any other file is
     /// not. Errors, with the system's reason in `os_error()`: `port_lost` (the system has no pseudo-terminal
     /// for it), `bad_argument` (the link cannot be made).
-    errc open(const char* link = nullptr) {
+    status open(const char* link = nullptr) {
         close();
         descriptor fd{::posix_openpt(O_RDWR | O_NOCTTY)};
         if (!fd.is_open() || ::grantpt(fd.number()) != 0 || ::unlockpt(fd.number()) != 0)

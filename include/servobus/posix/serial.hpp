@@ -115,7 +115,7 @@ class serial {
     /// (another program has it), `bad_argument` (not a serial device, or a baud rate or format that it does not
     /// support), `rs485_refused` (the system or the device's driver cannot switch an RS-485 driver so), `rs485_late`
     /// (its delay after the send exceeds t3.5 of `baud`). After the last two the kernel's RS-485 mode is as before.
-    errc open(const char* path, const serial_settings& wanted = {}) {
+    status open(const char* path, const serial_settings& wanted = {}) {
         close();
         const int access = wanted.receive_only ? O_RDONLY : O_RDWR;
         descriptor fd{::open(path, access | O_NOCTTY | O_NONBLOCK | O_CLOEXEC)};

@@ -44,7 +44,7 @@ class tcp {
     /// name's resolution as long as the system does, and for the connection `connect_within`. Errors: `bad_argument`
     /// (no such host or service: `resolve_error()`), `timeout` (no answer), `port_lost` (refused, unreachable:
     /// `os_error()`).
-    errc open(const char* host, const char* service, const tcp_settings& wanted = {}) {
+    status open(const char* host, const char* service, const tcp_settings& wanted = {}) {
         close();
         error_ = 0;
         addrinfo hints{};

@@ -96,7 +96,7 @@ class serial {
     /// `os_error()`: `port_lost` (no such port), `busy` (another program has it; Windows reports a lack of
     /// permission in the same way), `bad_argument` (not a serial device, or a baud rate, format or RS-485 mode
     /// that it does not support).
-    errc open(const char* name, const serial_settings& wanted = {}) {
+    status open(const char* name, const serial_settings& wanted = {}) {
         close();
         if (!reading_.prepare() || !writing_.prepare()) return fail(::GetLastError(), errc::port_lost);
         const detail::device_name device{name};

@@ -130,7 +130,7 @@ class tcp {
     /// name's resolution as long as the system does, and for the connection `connect_within`. Errors: `bad_argument`
     /// (no such host or service: `resolve_error()`), `timeout` (no answer), `port_lost` (refused, unreachable:
     /// `os_error()`). Windows asks a port that refuses three times, about two seconds.
-    errc open(const char* host, const char* service, const tcp_settings& wanted = {}) {
+    status open(const char* host, const char* service, const tcp_settings& wanted = {}) {
         close();
         error_ = 0;
         if (const int error = system_.load(); error != 0) return fail(error, errc::port_lost);

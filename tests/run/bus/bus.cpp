@@ -419,7 +419,7 @@ TEST_CASE("G26: a stop without a confirmation is repeated until the drive confir
     REQUIRE(r.command(r.wheels, zlac8015d::velocity{30 * r_per_min, 30 * r_per_min}));
     r.run(500);
     r.wire.set_connected(0, false);
-    const routine_status stopped = r.command(r.wheels, zlac8015d::quick_stop{});
+    const command_status stopped = r.command(r.wheels, zlac8015d::quick_stop{});
     CHECK(stopped.outcome() == outcome::unknown); // it ended at its time limit, like a blocking call (G29)
     CHECK(r.stops_in(3000) >= 5);
     CHECK(r.wheels_model.enabled());
@@ -608,7 +608,7 @@ TEST_CASE("G28: a drive stays absent as long as it does not respond") {
 
 TEST_CASE("a blocking command that is refused before it sends anything does not step the bus") {
     rig r;
-    const routine_status early = r.all.run(r.wheels, zlac8015d::velocity{30 * r_per_min, 30 * r_per_min});
+    const command_status early = r.all.run(r.wheels, zlac8015d::velocity{30 * r_per_min, 30 * r_per_min});
     CHECK(early.outcome() == outcome::not_sent);
     CHECK(early.error() == errc::needs_init);
     CHECK(r.wheels.last().error() == errc::needs_init);

@@ -132,7 +132,7 @@ TEST_CASE_TEMPLATE("G29: blocking calls of a bus end when the clock stops, whate
         r.stop_clock(after);
         r.run_for(1'000'000);
         CHECK_FALSE(r.port.ran_away);
-        const routine_status stopped = r.all.run(r.wheels, zlac8015d::init{});
+        const command_status stopped = r.all.run(r.wheels, zlac8015d::init{});
         CHECK_FALSE(r.port.ran_away);
         CHECK(stopped.error() == errc::clock_stopped);
         bool was_sent = false;

@@ -47,7 +47,7 @@ struct rig : tests::wheels_and_lift {
     }
     void turn() { p.turn(); }
     void loop(std::uint32_t ms) { p.run(ms); }
-    template <class Drive, class Wanted> routine_status command(Drive& drive, const Wanted& wanted) {
+    template <class Drive, class Wanted> command_status command(Drive& drive, const Wanted& wanted) {
         return p.command(drive, wanted);
     }
     /// The lift is at 300 pulses, and its position was read.
@@ -81,7 +81,7 @@ TEST_CASE(
     REQUIRE(r.command(r.p.lift, yako::velocity{30 * r_per_min}));
     r.wire.set_connected(1, false);
     REQUIRE_FALSE(r.command(r.p.lift, yako::quick_stop{}));
-    routine_status taken_over;
+    command_status taken_over;
     tests::loop_bound left{"a drive that takes a command"};
     do {
         left.use();
@@ -360,7 +360,7 @@ TEST_CASE("G21: a drive that was absent while a command was in progress needs in
         }
         const bool was_known = r.p.lift.state() != yako::drive_state::needs_init;
         const std::uint32_t starts = r.lift_model.starts(); // of the command that ran to its end
-        const routine_status next = r.command(r.p.lift, yako::move_by{1000 * pulse, by});
+        const command_status next = r.command(r.p.lift, yako::move_by{1000 * pulse, by});
         if (is_restarted) CHECK(next.error() == errc::needs_init);
         if (is_restarted) CHECK(starts == 0);
         if (!is_restarted && starts == 0) CHECK(static_cast<bool>(next) == was_known);

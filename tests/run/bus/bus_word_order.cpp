@@ -28,9 +28,8 @@ struct rig : tests::wheels_and_lift, tests::wheels_and_lift_program {
     rig() : wheels_and_lift_program{wire} {}
 
     // Runs a command and checks the lift's position in each loop iteration.
-    template <class Wanted> routine_status watched(const Wanted& wanted) {
-        if (const errc refusal = lift.begin(wanted); refusal != errc::ok)
-            return routine_status{status{refusal}};
+    template <class Wanted> command_status watched(const Wanted& wanted) {
+        if (const command_status begun = lift.begin(wanted); !begun) return begun;
         for (tests::loop_bound left{"the end of a command"}; !lift.is_idle(); left.use()) look();
         return lift.last();
     }

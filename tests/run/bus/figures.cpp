@@ -35,7 +35,7 @@ static_assert(!response_limits{}.echoes_byte_count);
 static_assert(back_off{}.failures == 3 && back_off{}.retry_every == milliseconds(1000));
 static_assert(back_off{}.stop_every == milliseconds(100));
 static_assert(modbus::request{}.quantity == 0 && modbus::response{}.quantity == 0);
-static_assert(routine_status{}.step == 0 && !routine_status{}.has_changed);
+static_assert(command_status{}.step() == 0 && !command_status{}.has_changed());
 static_assert(detail::ratio{}.numerator == 1 && detail::ratio{}.denominator == 1);
 
 TEST_CASE("the exceptions of the Modbus standard have its numbers") {

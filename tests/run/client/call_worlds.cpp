@@ -63,8 +63,8 @@ course play_stepped(const world& in) {
     using client_type = client<line_type, fixture::device>;
     stage<line_type> s{in};
     auto& d = *s.drive;
-    const auto finish = [&](errc begun, auto& c) {
-        if (begun != errc::ok) return status{begun};
+    const auto finish = [&](status begun, auto& c) {
+        if (begun != errc::ok) return begun;
         if (in.learns_anew) s.learn_anew();
         for (int i = 0; i < 20'000 && !c.done(); ++i) {
             (void)c.step();

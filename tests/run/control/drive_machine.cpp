@@ -71,7 +71,7 @@ struct hand {
         exchange(is_answered);
         return true;
     }
-    constexpr routine_status run(bool is_answered) {
+    constexpr command_status run(bool is_answered) {
         for (unsigned i = 0; i < 1000 && !drive.slot().is_idle(); ++i) (void)turn(is_answered);
         return drive.slot().report();
     }

@@ -82,7 +82,7 @@ TEST_CASE("G26: the quick stop of a stepper that was not confirmed is repeated a
         REQUIRE(a.drive.run(yako::velocity{60 * r_per_min}));
         a.drive.repeat_stops(milliseconds(300));
         a.wire.faults().lost_request = 1000;
-        const routine_status ended = is_quick ? a.drive.run(quick_stop{}) : a.drive.run(halt{});
+        const command_status ended = is_quick ? a.drive.run(quick_stop{}) : a.drive.run(halt{});
         REQUIRE_FALSE(ended);
         a.wire.faults() = {};
         a.requests.clear();

@@ -38,7 +38,7 @@ TEST_CASE("during the stop of the command timeout the application's stop is acce
         rig r;
         bare::model::stops_by = s.watched;
         r.watched_stop_begins();
-        const errc e = r.drive.begin(s.wanted);
+        const command_status e = r.drive.begin(s.wanted);
         CHECK(e == (s.is_taken ? errc::ok : errc::busy));
         const std::size_t before = r.port.frames.size();
         r.loop(60);
@@ -105,7 +105,7 @@ TEST_CASE("G26: a stop that does not read back is tried three times, and then re
             } else {
                 r.file.words[0x0100] = 100;
                 r.ignores = ignored;
-                const routine_status stopped = r.drive.run(halting);
+                const command_status stopped = r.drive.run(halting);
                 CHECK(static_cast<bool>(stopped) == (ignored < 3));
                 if (ignored >= 3) CHECK(stopped.error() == errc::unexpected_value);
                 r.loop(50);
@@ -295,7 +295,7 @@ TEST_CASE("G20: while a stop of the application is in progress the command timeo
     REQUIRE(r.drive.run(move));
     r.is_mute = true;
     r.port.frames.clear();
-    const routine_status stopped = r.drive.run(quick_stopping); // 3 tries of 100 ms and more
+    const command_status stopped = r.drive.run(quick_stopping); // 3 tries of 100 ms and more
     CHECK(stopped.outcome() == outcome::unknown);
     CHECK(stopped.error() == errc::timeout);
     CHECK(r.writes_to(0x0101, 5) == 3);

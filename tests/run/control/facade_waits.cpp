@@ -239,7 +239,7 @@ TEST_CASE("a blocking call that another task's stop replaces says so") {
     port.others = [&] {
         if (!has_stopped && !drive.is_idle()) has_stopped = drive.begin(halting) == errc::ok;
     };
-    const routine_status got = drive.run(wait_for_setting);
+    const command_status got = drive.run(wait_for_setting);
     CHECK(has_stopped);
     CHECK(got.error() == errc::preempted);
     CHECK(drive.last()); // the stop's
@@ -370,11 +370,11 @@ TEST_CASE("G16, G21: a setpoint without a response that reads back as neither th
             }
             answers(p, f);
         };
-        const routine_status got = r.drive.run(bare::command{.steps = set_target, .arguments = {300}});
+        const command_status got = r.drive.run(bare::command{.steps = set_target, .arguments = {300}});
         CHECK(static_cast<bool>(got) == (found == 300));
         if (found == old) CHECK(got.error() == errc::not_executed);
         if (found != old && found != 300) CHECK(got.error() == errc::timeout);
-        if (found != 300) CHECK(got.has_changed); // the write before the read-back
+        if (found != 300) CHECK(got.has_changed()); // the write before the read-back
         if (found != 300) CHECK(got.outcome() == outcome::unknown);
     }
 }
@@ -431,7 +431,7 @@ TEST_CASE("G16: a setpoint that cannot be read back ends as its write: what it h
     r.port.device = [](tests::scripted_port& p, const sent_frame& f) {
         if (f.data[1] == 0x03) p.say(500, tests::exception_response(1, 0x03, 4));
     };
-    const routine_status how = r.drive.run(
+    const command_status how = r.drive.run(
         bare::command{.steps = set_target, .arguments = {300}, .then = command_kind::endless_motion});
     CHECK(how.error() == errc::timeout);
     CHECK(how.outcome() == outcome::unknown);

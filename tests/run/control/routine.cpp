@@ -114,13 +114,13 @@ struct rig {
         REQUIRE(run(fixture::only_look));
         port.frames.clear();
     }
-    routine_status run(const bare::command& c) {
-        const routine_status r = drive.run(c);
+    command_status run(const bare::command& c) {
+        const command_status r = drive.run(c);
         REQUIRE(drive.is_idle());
         REQUIRE_FALSE(port.ran_away);
         return r;
     }
-    routine_status run(routine table) {
+    command_status run(routine table) {
         // A routine that begins with a stop is a stop.
         const bool is_stop = table[0].is_repeatable;
         return run({.steps = table, .stop = is_stop ? stop_priority::halt : stop_priority::no_stop});
@@ -173,17 +173,17 @@ TEST_CASE("G15: a step that the drive refuses is not repeated and ends its routi
     rig r;
     r.prove();
     r.refuse(mode_at, 2, 1);
-    const routine_status first = r.run(fixture::set_and_start);
+    const command_status first = r.run(fixture::set_and_start);
     CHECK(first.outcome() == outcome::refused);
     CHECK(first.exception() == 2);
-    CHECK(first.step == 0);
-    CHECK_FALSE(first.has_changed);
+    CHECK(first.step() == 0);
+    CHECK_FALSE(first.has_changed());
     CHECK(r.port.frames.size() == 1);
     r.refuse(command_at, 3, 1);
-    const routine_status second = r.run(fixture::set_and_start);
+    const command_status second = r.run(fixture::set_and_start);
     CHECK(second.outcome() == outcome::refused);
-    CHECK(second.step == 1);
-    CHECK(second.has_changed);
+    CHECK(second.step() == 1);
+    CHECK(second.has_changed());
     CHECK(r.port.frames.size() == 3);
 }
 
@@ -191,11 +191,11 @@ TEST_CASE("G15: a step whose response is lost is sent once and ends unknown, and
     rig r;
     r.prove();
     r.mute(mode_at, 1);
-    const routine_status lost = r.run(fixture::set_and_start);
+    const command_status lost = r.run(fixture::set_and_start);
     CHECK(lost.outcome() == outcome::unknown);
     CHECK(lost.error() == errc::timeout);
-    CHECK(lost.step == 0);
-    CHECK_FALSE(lost.has_changed);
+    CHECK(lost.step() == 0);
+    CHECK_FALSE(lost.has_changed());
     CHECK(r.port.frames.size() == 1);
 }
 
@@ -210,7 +210,7 @@ TEST_CASE("a read is repeated after a timeout and after an exception that report
     SUBCASE("one timeout more") {
         rig r;
         r.mute(state_at, 3);
-        const routine_status silent = r.run(fixture::only_look);
+        const command_status silent = r.run(fixture::only_look);
         CHECK(silent.outcome() == outcome::not_sent); // nothing that changes the drive was sent
         CHECK(silent.error() == errc::timeout);
         CHECK(r.port.frames.size() == 3);
@@ -272,7 +272,7 @@ TEST_CASE("G3, G26: a stop is sent three times whatever the responses are, and e
             } else {
                 r.mute(command_at, bad);
             }
-            const routine_status stopped = r.run(fixture::one_stop);
+            const command_status stopped = r.run(fixture::one_stop);
             CHECK(r.asked(command_at) == (bad < 3 ? bad + 1 : 3));
             const bool may_be_echo = !is_refusal && bad != 0 && bad < 3; // nothing is read after it
             CHECK(static_cast<bool>(stopped) == (bad < 3 && !may_be_echo));
@@ -280,7 +280,7 @@ TEST_CASE("G3, G26: a stop is sent three times whatever the responses are, and e
             if (bad >= 3) {
                 CHECK(stopped.outcome() == (is_refusal ? outcome::refused : outcome::unknown));
                 CHECK(stopped.error() == (is_refusal ? errc::exception : errc::timeout));
-                CHECK(stopped.step == 0);
+                CHECK(stopped.step() == 0);
             }
         }
     }
@@ -296,31 +296,31 @@ TEST_CASE("after a stop that fails the next stop is sent, and the report states 
         } else {
             r.mute(speed_at, 3);
         }
-        const routine_status both = r.run(fixture::two_stops);
+        const command_status both = r.run(fixture::two_stops);
         CHECK(r.asked(speed_at) == 3);
         CHECK(r.asked(command_at) == 1);
         CHECK(r.file.words[command_at] == 7);
         CHECK_FALSE(both);
         CHECK(both.error() == (is_refusal ? errc::exception : errc::timeout));
         CHECK(both.outcome() == (is_refusal ? outcome::refused : outcome::unknown));
-        CHECK(both.has_changed); // the second one did
+        CHECK(both.has_changed()); // the second one did
     }
     SUBCASE("both fail: the error of the last one") {
         rig r;
         r.prove();
         r.mute(speed_at, 3);
         r.refuse(command_at, 4, 3);
-        const routine_status none = r.run(fixture::two_stops);
+        const command_status none = r.run(fixture::two_stops);
         CHECK(r.port.frames.size() == 6);
         CHECK(none.error() == errc::exception);
-        CHECK(none.step == 1);
-        CHECK(none.has_changed); // perhaps
+        CHECK(none.step() == 1);
+        CHECK(none.has_changed()); // perhaps
     }
     SUBCASE("what follows the stops is done as well, and the first error is kept") {
         rig r;
         r.prove();
         r.mute(speed_at, 3);
-        const routine_status looked = r.run(fixture::stops_then_look);
+        const command_status looked = r.run(fixture::stops_then_look);
         CHECK(r.asked(state_at) == 1);
         CHECK(looked.error() == errc::timeout);
         CHECK(looked.outcome() == outcome::unknown);
@@ -340,10 +340,10 @@ TEST_CASE("a routine that missed stops in two places reports the first of them")
     r.prove();
     r.mute(speed_at, 3);
     r.refuse(speed_at, 4, 3); // after the timeouts
-    const routine_status made = r.run(fixture::stop_look_stop);
+    const command_status made = r.run(fixture::stop_look_stop);
     CHECK(made.error() == errc::timeout);
     CHECK(made.outcome() == outcome::unknown);
-    CHECK(made.has_changed);
+    CHECK(made.has_changed());
     CHECK(r.asked(speed_at) == 6);
     CHECK(r.asked(command_at) == 2);
     CHECK(r.asked(state_at) == 2);
@@ -356,11 +356,11 @@ TEST_CASE("a lost port is not called again, not even for a stop") {
         r.prove();
         r.port.lost_from_call = r.port.calls + 1;
         const std::uint64_t calls = r.port.calls;
-        const routine_status lost =
+        const command_status lost =
             r.run(is_stop ? routine{fixture::two_stops} : routine{fixture::only_look});
         CHECK(lost.error() == errc::port_lost);
         CHECK(lost.outcome() == outcome::not_sent);
-        CHECK(lost.step == 0);
+        CHECK(lost.step() == 0);
         CHECK(r.port.calls == calls + 1);
     }
 }
@@ -368,7 +368,7 @@ TEST_CASE("a lost port is not called again, not even for a stop") {
 TEST_CASE("G3: acknowledged single writes prove nothing on a line where only echoes were received") {
     rig r;
     r.port.device = [](tests::scripted_port& p, const sent_frame& f) { p.say(0, f.data); }; // an echo
-    const routine_status echoed = r.run(fixture::set_and_start);
+    const command_status echoed = r.run(fixture::set_and_start);
     CHECK(echoed.outcome() == outcome::unknown);
     CHECK(echoed.error() == errc::own_echo);
     CHECK_FALSE(r.on.is_echo_ruled_out());
@@ -381,7 +381,7 @@ TEST_CASE("G3: acknowledged single writes prove nothing on a line where only ech
 
 TEST_CASE("a register that holds another value ends the routine with the error of the step") {
     rig r;
-    const routine_status wrong = r.run(fixture::checked_start);
+    const command_status wrong = r.run(fixture::checked_start);
     CHECK(wrong.error() == errc::wrong_state);
     CHECK(wrong.outcome() == outcome::not_sent);
     CHECK(r.asked(command_at) == 0);
@@ -409,7 +409,7 @@ TEST_CASE("a state is awaited for the limit of its step, or for that of the comm
         rig r;
         r.prove();
         const std::uint64_t begun = r.port.time;
-        const routine_status never =
+        const command_status never =
             r.run({.steps = is_commanded ? routine{fixture::wait_as_commanded} : routine{fixture::wait_ready},
                    .limit = milliseconds(limit)});
         CHECK(never.error() == errc::not_reached);
@@ -452,7 +452,7 @@ TEST_CASE("G29: a clock that stops ends the routine, and what was sent is unknow
         r.port.device = nullptr;
         const std::uint64_t at = r.port.time + after;
         r.port.clock = [at](std::uint64_t t) { return static_cast<std::uint32_t>(t < at ? t : at); };
-        const routine_status stopped = r.run(fixture::set_and_start);
+        const command_status stopped = r.run(fixture::set_and_start);
         CHECK(stopped.error() == errc::clock_stopped);
         CHECK(r.port.frames.size() == (after == 0 ? 0 : 1));
         CHECK(stopped.outcome() == (after == 0 ? outcome::not_sent : outcome::unknown));
@@ -471,7 +471,7 @@ TEST_CASE("G21: after a read without a response the witness is read before the r
                        .witness = {&fixture::check_mode, {3, 0}}}));
         r.file.words[mode_at] = 4; // another mode since a restart
         if (is_missing) r.mute(state_at, 1);
-        const routine_status end = r.run(look_and_start);
+        const command_status end = r.run(look_and_start);
         CHECK(end.error() == (is_missing ? errc::needs_init : errc::ok));
         CHECK(r.asked(command_at) == (is_missing ? 0u : 1u));
         CHECK(r.drive.state() == (is_missing ? drive_state::needs_init : drive_state::enabled));

@@ -332,7 +332,7 @@ TEST_CASE(
     REQUIRE(t.reports.size() == 1);
     CHECK(t.reports[0].what == loop_part::take_over);
     CHECK(t.reports[0].how);
-    CHECK(t.reports[0].at == part::reading);
+    CHECK(t.reports[0].how.part() == part::reading);
     // A setpoint that was given before the consent is not begun.
     t.set(30);
     t.loop.enable();
@@ -346,7 +346,7 @@ TEST_CASE(
     CHECK(t.is_moving());
     REQUIRE(t.reports.size() == 2); // setpoints that succeed are not reported
     CHECK(t.reports[1].what == loop_part::enable);
-    CHECK(t.reports[1].setting == 0);
+    CHECK(t.reports[1].how.setting() == 0);
 }
 
 TEST_CASE("a setpoint that is given between the consent and its enable is begun") {
@@ -609,7 +609,7 @@ TEST_CASE("take-overs are tried once in a period, and a failure that is repeated
     t.go(10'300);
     REQUIRE(t.reports.size() == 1);
     CHECK(t.reports[0].what == loop_part::take_over);
-    CHECK(t.reports[0].at == part::init);
+    CHECK(t.reports[0].how.part() == part::init);
     CHECK(t.reports[0].how.error() == errc::timeout);
     CHECK(t.r.log.frames.size() >= 10); // an attempt a second
     CHECK(t.r.log.frames.size() <= 60);
@@ -618,13 +618,13 @@ TEST_CASE("take-overs are tried once in a period, and a failure that is repeated
 TEST_CASE("a failure at another part of a take-over is another one") {
     detail::loop_reports reports;
     const auto failed = [](part at, std::uint8_t setting) {
-        return loop_report{loop_part::take_over, at, setting, routine_status{errc::timeout}};
+        return loop_report{loop_part::take_over, command_status{errc::timeout}.in_part(at, setting)};
     };
     CHECK(reports.note(failed(part::setting, 1)));
     CHECK_FALSE(reports.note(failed(part::setting, 1)));
     CHECK(reports.note(failed(part::setting, 2)));
     CHECK(reports.note(failed(part::reading, 2)));
-    CHECK(reports.take().at == part::reading);
+    CHECK(reports.take().how.part() == part::reading);
 }
 
 TEST_CASE("a setting that fails is reported with its number, and tried again") {
@@ -637,8 +637,8 @@ TEST_CASE("a setting that fails is reported with its number, and tried again") {
         if (const loop_report ended = loop.take_report()) reports.push_back(ended);
     }
     REQUIRE(reports.size() == 1);
-    CHECK(reports[0].at == part::setting);
-    CHECK(reports[0].setting == 2);
+    CHECK(reports[0].how.part() == part::setting);
+    CHECK(reports[0].how.setting() == 2);
     CHECK(reports[0].how.error() == errc::out_of_range);
     CHECK_FALSE(loop.is_taken_over());
     CHECK(loop.begin(read_feedback{}) == errc::needs_init);
@@ -944,7 +944,7 @@ TEST_CASE("a C630S waits in its loop for its power cycle, and is enabled in its 
     };
     go(20'000, 5);
     REQUIRE(reports.size() == 1); // of several attempts
-    CHECK(reports[0].at == part::power_cycle);
+    CHECK(reports[0].how.part() == part::power_cycle);
     CHECK(reports[0].how.error() == errc::wrong_state);
     CHECK(r.drive.needs_power_cycle());
     r.model.power_cycle();
@@ -987,9 +987,9 @@ namespace {
 // A drive of a program's own that has no halt.
 template <class Drive> struct without_halt : Drive {
     using Drive::Drive;
-    template <class Wanted> [[nodiscard]] constexpr errc begin(const Wanted& wanted) {
+    template <class Wanted> constexpr command_status begin(const Wanted& wanted) {
         if constexpr (std::same_as<Wanted, servobus::halt>)
-            return errc::wrong_state;
+            return command_status{errc::wrong_state};
         else
             return Drive::begin(wanted);
     }
@@ -1055,7 +1055,7 @@ TEST_CASE("a bus steps the drives, and their loops command them") {
 }
 
 namespace {
-constexpr loop_report ended(loop_part what, errc why) { return {.what = what, .how = routine_status{why}}; }
+constexpr loop_report ended(loop_part what, errc why) { return {.what = what, .how = command_status{why}}; }
 constexpr bool is_told_after(loop_part other, errc how) {
     detail::loop_reports r;
     (void)r.note(ended(loop_part::command, errc::timeout));

@@ -88,7 +88,7 @@ struct rig {
     }
     const std::vector<std::uint16_t>& asked() { return on.observer().asked; }
     // The requests in `lost` (bit 0: the first) do not reach the drive.
-    routine_status go_on(std::uint32_t lost) {
+    command_status go_on(std::uint32_t lost) {
         while (!machine.is_idle()) {
             const duration idle = machine.step();
             if (begun.size() != asked().size()) begun.push_back(wire.time_us());
@@ -101,7 +101,7 @@ struct rig {
     void begin(routine steps, stop_priority priority = stop_priority::halt) {
         REQUIRE(machine.begin(bare::command{.steps = steps, .stop = priority}) == errc::ok);
     }
-    const routine_status run(routine steps, std::uint32_t lost) {
+    const command_status run(routine steps, std::uint32_t lost) {
         begin(steps);
         return go_on(lost);
     }
@@ -159,10 +159,10 @@ TEST_CASE("G25: a stop that must not be the first frame waits for the response t
 
 TEST_CASE("S2: after a stop that was never acknowledged nothing is written but the stops next to it") {
     rig r;
-    const routine_status made = r.run(enable, 0b1101); // the targets are lost three times
+    const command_status made = r.run(enable, 0b1101); // the targets are lost three times
     CHECK(made.outcome() == outcome::unknown);
     CHECK(made.error() == errc::timeout);
-    CHECK(made.has_changed);
+    CHECK(made.has_changed());
     CHECK(r.registers.written == list{control.address});
     CHECK(r.registers.reads == 1);
 
@@ -176,10 +176,10 @@ TEST_CASE("G26: a stop of which one frame failed still sends the other and reads
         CAPTURE(lost);
         const std::uint16_t made_one = lost == 0b1101u ? control.address : targets.address;
         rig r;
-        const routine_status made = r.run(stop, lost);
+        const command_status made = r.run(stop, lost);
         CHECK(made.outcome() == outcome::unknown);
         CHECK(made.error() == errc::timeout);
-        CHECK(made.step == 2);
+        CHECK(made.step() == 2);
         CHECK(r.registers.written == list{made_one});
         CHECK(r.registers.reads == 1);
     }
@@ -190,20 +190,20 @@ TEST_CASE("G26: after a stop of which one frame failed nothing is awaited, since
                                              steps::repeatable(steps::write<control>(0)),
                                              steps::until_bits<status_word>(1, 1, 34'000)};
     rig r;
-    const routine_status made = r.run(stop_and_wait, 0b1110);
+    const command_status made = r.run(stop_and_wait, 0b1110);
     CHECK(made.outcome() == outcome::unknown);
     CHECK(made.error() == errc::timeout);
-    CHECK(made.step == 2);
-    CHECK(made.has_changed);
+    CHECK(made.step() == 2);
+    CHECK(made.has_changed());
     CHECK(r.registers.reads == 1);
 }
 
 TEST_CASE("G26: a stop without any response ends before its read") {
     rig r;
-    const routine_status made = r.run(stop, all);
+    const command_status made = r.run(stop, all);
     CHECK(made.outcome() == outcome::unknown);
     CHECK(made.error() == errc::timeout);
-    CHECK(made.step == 1);
+    CHECK(made.step() == 1);
     CHECK(r.asked().size() == 2u * tries);
     CHECK(r.registers.reads == 0);
 }
@@ -212,10 +212,10 @@ TEST_CASE("G25: a lost port ends a stop immediately") {
     rig r;
     r.begin(stop);
     r.wire.unplug();
-    const routine_status made = r.go_on(0);
+    const command_status made = r.go_on(0);
     CHECK(made.outcome() == outcome::not_sent);
     CHECK(made.error() == errc::port_lost);
-    CHECK(made.step == 0);
+    CHECK(made.step() == 0);
 }
 
 TEST_CASE("G19, G25: the first frames of a stop wait for no quarantine, the others do") {
@@ -232,8 +232,8 @@ TEST_CASE("G19: a stop after other steps of a routine is repeated and has no pri
     static constexpr step late[] = {steps::expect_zero<status_word>(),
                                     steps::repeatable(steps::write<control>(0))};
     rig r;
-    const routine_status made = r.run(late, ~0b1u);
-    CHECK(made.step == 1);
+    const command_status made = r.run(late, ~0b1u);
+    CHECK(made.step() == 1);
     REQUIRE(r.begun.size() == 4);
     CHECK(r.waits_before(2));
     CHECK(r.waits_before(3));

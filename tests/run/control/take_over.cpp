@@ -48,7 +48,7 @@ static_assert(none_moves<c::model, disable, c::set_up, c::ramps, c::torque_limit
 
 static_assert(sizeof(take_over<>) == 1);
 static_assert(sizeof(take_over<with_fault_reset, disable, z::resolution>) <= 4); // empty ones take no room
-static_assert(sizeof(take_over_status) <= 12);
+static_assert(sizeof(command_status) <= 12);
 
 namespace {
 constexpr auto for_wheels = take_over{z::resolution{10}, z::watchdog{500 * millisecond},
@@ -59,7 +59,7 @@ constexpr auto for_wheels_with_reset =
 
 TEST_CASE("a take-over runs init, the settings in their order, and a reading") {
     simulated::finer_zlac8015d r;
-    const take_over_status done = r.drive.run(for_wheels);
+    const command_status done = r.drive.run(for_wheels);
     REQUIRE(done);
     CHECK(done.part() == part::reading);
     CHECK(done.setting() == 0);
@@ -142,9 +142,8 @@ TEST_CASE("a take-over that fails says which part and how, and sends nothing mor
         for (std::uint32_t good = 0; !is_done && good < 200; ++good) {
             CAPTURE(good);
             simulated::finer_zlac8015d r;
-            const take_over_status done = for_wheels.run_by(r.drive, [&](const auto& command) {
-                if (const errc refusal = r.drive.begin(command); refusal != errc::ok)
-                    return routine_status{refusal};
+            const command_status done = for_wheels.run_by(r.drive, [&](const auto& command) {
+                if (const command_status begun = r.drive.begin(command); !begun) return begun;
                 while (!r.drive.is_idle()) {
                     if (r.wire.requests() > good) r.wire.faults().lost_response = 1000;
                     r.line.sleep(r.drive.step());

@@ -214,7 +214,7 @@ TEST_CASE("G35: a velocity that is commanded right after a fault or a loss of po
                 p.model.raise(0x620);
             else
                 p.model.power_cycle();
-            const routine_status got = p.servo.run(velocity{100 * r_per_min});
+            const command_status got = p.servo.run(velocity{100 * r_per_min});
             CHECK(got.error() == (is_fault ? errc::faulted : errc::needs_init));
             CHECK(p.model.peek(target_speed.address) == 0);
             CHECK_FALSE(p.model.enabled());
@@ -398,7 +398,7 @@ TEST_CASE("G34: a move towards a limit switch that is active is refused before a
         const start_segment towards = is_negative ? start_segment{2} : start_segment{1};
         const start_segment away = is_negative ? start_segment{1} : start_segment{2};
         const std::uint32_t starts = p.model.starts();
-        const routine_status refused = p.servo.run(towards);
+        const command_status refused = p.servo.run(towards);
         CHECK(refused.error() == errc::wrong_state);
         CHECK(refused.outcome() == outcome::not_sent);
         CHECK(p.model.starts() == starts);

@@ -192,8 +192,8 @@ namespace {
 /// A command of a program's own: a move of which the library is not told where it ends.
 struct move_somewhere {
     distance way;
-    constexpr prepared_command plan(const cached_settings& cached) const {
-        prepared_command o = move_by{way, brisk}.plan(cached);
+    constexpr prepared_command prepare(const cached_settings& cached) const {
+        prepared_command o = move_by{way, brisk}.prepare(cached);
         o.has_target = false;
         return o;
     }
@@ -303,7 +303,7 @@ TEST_CASE("an open loop motor that an input frees loses its position, and the st
 TEST_CASE("G34: a homing rests between two legs, also where the time since the start goes back") {
     cached_settings known{};
     known.state = drive_state::enabled;
-    const prepared_command c = closed_loop::home{homing::home_24}.plan(known);
+    const prepared_command c = closed_loop::home{homing::home_24}.prepare(known);
     std::uint16_t words[8]{};
     motion_under_way<closed_loop::device> m;
     m.begin(c, words, known);
@@ -354,7 +354,7 @@ TEST_CASE("G34: a place is no end of the counter's range to a move that goes bac
     known.is_homed = true;
     known.has_scale = known.has_profile = true;
     known.word_order = word_order::high_first;
-    const prepared_command c = move_to{1000 * pulse, brisk}.plan(known);
+    const prepared_command c = move_to{1000 * pulse, brisk}.prepare(known);
     REQUIRE(c.refusal == errc::ok);
     std::uint16_t words[8]{};
     words[routines::position_at] = 0x7FFF;

@@ -190,7 +190,7 @@ TEST_CASE("G34: a wait does not succeed after a restart that locks the shafts wh
             REQUIRE(r.drive.run(enable_in{operating_mode::relative_position}));
             REQUIRE(r.drive.run(move_by{way * pulse, way * pulse}));
             r.model.power_cycle(); // the positions are 0 again
-            const routine_status waited = is_standstill ? r.drive.run(wait_standstill{})
+            const command_status waited = is_standstill ? r.drive.run(wait_standstill{})
                                                         : r.drive.run(wait_reached{milliseconds(2'000)});
             CHECK_FALSE(waited);
             CHECK(r.drive.arrival().how != arrival_state::reached);
@@ -213,7 +213,7 @@ TEST_CASE("a feedback period that is shorter than its frames is refused before a
     for (const std::uint32_t us : {1u, 3000u, 4000u}) {
         CAPTURE(us);
         rig r{{}, {.feedback = microseconds(us), .command_timeout = no_command_timeout}};
-        const routine_status got = r.drive.run(init{});
+        const command_status got = r.drive.run(init{});
         CHECK(got.error() == (us < 3342 ? errc::bad_argument : errc::ok));
         CHECK((r.log.frames.size() == 0) == (us < 3342));
     }
@@ -302,7 +302,7 @@ TEST_CASE("G34: a move of one wheel that is refused leaves the other wheel its t
         else
             REQUIRE(r.drive.run(move_right_by{4096 * pulse}));
         REQUIRE(r.drive.run(wait_wheels_reached{first}));
-        const routine_status refused =
+        const command_status refused =
             is_left_first ? r.drive.run(move_right_by{too_far}) : r.drive.run(move_left_by{too_far});
         CHECK(refused.error() == errc::out_of_range);
         CHECK(r.drive.arrival(second).how == arrival_state::none);

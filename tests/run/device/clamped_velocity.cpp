@@ -56,7 +56,7 @@ cached_settings in_velocity_mode(std::uint16_t max_speed, std::uint16_t resoluti
 
 // Checks the words for 2088h and 2089h.
 void check(speed left, speed right, std::uint16_t max_speed, std::uint16_t resolution) {
-    const prepared_command o = clamped_velocity{left, right}.plan(in_velocity_mode(max_speed, resolution));
+    const prepared_command o = clamped_velocity{left, right}.prepare(in_velocity_mode(max_speed, resolution));
     const pair_of_counts want = expected(left, right, max_speed, resolution);
     const auto l = static_cast<std::int16_t>(o.arguments[0]);
     const auto r = static_cast<std::int16_t>(o.arguments[1]);
@@ -74,7 +74,7 @@ void check(speed left, speed right, std::uint16_t max_speed, std::uint16_t resol
 
 TEST_CASE("a clamped speed becomes the nearest count, ties away from zero, in either direction") {
     const auto counts = [](speed left, speed right, std::uint16_t resolution = 1) {
-        const prepared_command o = clamped_velocity{left, right}.plan(in_velocity_mode(1000, resolution));
+        const prepared_command o = clamped_velocity{left, right}.prepare(in_velocity_mode(1000, resolution));
         REQUIRE(o.refusal == errc::ok);
         return std::pair{static_cast<std::int16_t>(o.arguments[0]),
                          static_cast<std::int16_t>(o.arguments[1])};
@@ -124,7 +124,7 @@ TEST_CASE("S3: clamped speeds agree with arithmetic in long double, for many val
     }
     // The lowest 32-bit value has no positive counterpart.
     const prepared_command o =
-        clamped_velocity{speed{-0x7FFF'FFFF - 1}, speed{0x7FFF'FFFF}}.plan(in_velocity_mode(1000, 1));
+        clamped_velocity{speed{-0x7FFF'FFFF - 1}, speed{0x7FFF'FFFF}}.prepare(in_velocity_mode(1000, 1));
     CHECK(o.refusal == errc::ok);
     CHECK(o.arguments[0] == static_cast<std::uint16_t>(-1000));
     CHECK(o.arguments[1] == 1000);

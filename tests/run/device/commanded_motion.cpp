@@ -26,7 +26,7 @@ constexpr cached_settings in(operating_mode mode, drive_state state = drive_stat
 constexpr cached_settings turning = in(operating_mode::velocity);
 constexpr cached_settings off = in(operating_mode::undefined, drive_state::disabled);
 
-const prepared_command turn = velocity{60 * r_per_min, 90 * r_per_min}.plan(turning);
+const prepared_command turn = velocity{60 * r_per_min, 90 * r_per_min}.prepare(turning);
 
 /// The commands since the last feedback, as a robot's model is told of them.
 struct commands_since : commanded_motion {
@@ -37,7 +37,7 @@ struct commands_since : commanded_motion {
     }
     void conclude(const prepared_command& c, bool is_done) {
         endings e;
-        ending how = is_done ? e.done() : e.failed(routine_status{status::sent(errc::timeout)});
+        ending how = is_done ? e.done() : e.failed(command_status{status::sent(errc::timeout)});
         how.steps = c.steps;
         prepared_command over = c;
         over.steps = no_steps; // as a machine has it
@@ -58,32 +58,32 @@ TEST_CASE("G43: what each command leaves of the speeds, and whether it is a new 
     };
     const row rows[] = {
         {"both wheels", turn, true, false, true, false},
-        {"both wheels, the right one at zero", velocity{60 * r_per_min, 0 * r_per_min}.plan(turning), true,
+        {"both wheels, the right one at zero", velocity{60 * r_per_min, 0 * r_per_min}.prepare(turning), true,
          false, true, false},
-        {"both wheels, the left one at zero", velocity{0 * r_per_min, 60 * r_per_min}.plan(turning), true,
+        {"both wheels, the left one at zero", velocity{0 * r_per_min, 60 * r_per_min}.prepare(turning), true,
          false, true, false},
-        {"both wheels at zero", velocity{0 * r_per_min, 0 * r_per_min}.plan(turning), false, true, true,
+        {"both wheels at zero", velocity{0 * r_per_min, 0 * r_per_min}.prepare(turning), false, true, true,
          false},
-        {"the left wheel", left_velocity{60 * r_per_min}.plan(turning), true, false, true, false},
-        {"the left wheel at zero", left_velocity{0 * r_per_min}.plan(turning), true, false, true, false},
-        {"torque", torque{1000 * milliampere, 0 * milliampere}.plan(in(operating_mode::torque)), true, false,
+        {"the left wheel", left_velocity{60 * r_per_min}.prepare(turning), true, false, true, false},
+        {"the left wheel at zero", left_velocity{0 * r_per_min}.prepare(turning), true, false, true, false},
+        {"torque", torque{1000 * milliampere, 0 * milliampere}.prepare(in(operating_mode::torque)), true,
+         false, true, false},
+        {"a move", move_by{40 * pulse, 0 * pulse}.prepare(in(operating_mode::relative_position)), true, false,
          true, false},
-        {"a move", move_by{40 * pulse, 0 * pulse}.plan(in(operating_mode::relative_position)), true, false,
-         true, false},
-        {"halt", plan(halt{}, turning), false, true, true, false},
-        {"quick stop", plan(quick_stop{}, turning), false, true, true, false},
-        {"disable", plan(disable{}, turning), false, true, true, false},
-        {"enable", plan(enable{}, off), false, true, true, false},
-        {"init", plan(init{}, turning), false, true, true, false},
-        {"a read", plan(read_feedback{}, turning), false, false, false, true},
-        {"a wait", plan(wait_reached{}, turning), false, false, false, true},
-        {"the watchdog", watchdog{500 * millisecond}.plan(turning), false, false, true, true},
-        {"ramps", ramps{100 * millisecond, 100 * millisecond}.plan(turning), false, false, true, true},
-        {"a top speed", plan(set<max_motor_speed>{300}, off), false, false, true, true},
-        {"currents", current_limits{3000 * milliampere, 4000 * milliampere}.plan(off), false, false, true,
+        {"halt", prepare(halt{}, turning), false, true, true, false},
+        {"quick stop", prepare(quick_stop{}, turning), false, true, true, false},
+        {"disable", prepare(disable{}, turning), false, true, true, false},
+        {"enable", prepare(enable{}, off), false, true, true, false},
+        {"init", prepare(init{}, turning), false, true, true, false},
+        {"a read", prepare(read_feedback{}, turning), false, false, false, true},
+        {"a wait", prepare(wait_reached{}, turning), false, false, false, true},
+        {"the watchdog", watchdog{500 * millisecond}.prepare(turning), false, false, true, true},
+        {"ramps", ramps{100 * millisecond, 100 * millisecond}.prepare(turning), false, false, true, true},
+        {"a top speed", prepare(set<max_motor_speed>{300}, off), false, false, true, true},
+        {"currents", current_limits{3000 * milliampere, 4000 * milliampere}.prepare(off), false, false, true,
          true},
-        {"cleared positions", clear_position{}.plan(off), false, false, true, true},
-        {"another resolution", resolution{10}.plan(off), false, false, true, false},
+        {"cleared positions", clear_position{}.prepare(off), false, false, true, true},
+        {"another resolution", resolution{10}.prepare(off), false, false, true, false},
     };
     for (const row& r : rows) {
         CAPTURE(r.name);
@@ -110,7 +110,7 @@ TEST_CASE("G43: what each command leaves of the speeds, and whether it is a new 
                 CHECK(m.could_move() == (was_moving || r.moves));
                 m.conclude(c, is_done);
                 CHECK(m.is_new() == r.is_new);
-                m.play(plan(read_feedback{}, turning), true); // forgets nothing of what came before it
+                m.play(prepare(read_feedback{}, turning), true); // forgets nothing of what came before it
                 CHECK(m.is_new() == r.is_new);
                 CHECK(m.could_move() == (was_moving || r.moves)); // since that feedback
                 m.note_feedback();
@@ -121,7 +121,7 @@ TEST_CASE("G43: what each command leaves of the speeds, and whether it is a new 
 }
 
 TEST_CASE("G43: a twist is repeated only where the drive has acknowledged both speeds together") {
-    const prepared_command both = velocity{60 * r_per_min, 0 * r_per_min}.plan(turning);
+    const prepared_command both = velocity{60 * r_per_min, 0 * r_per_min}.prepare(turning);
     struct row {
         std::string name;
         prepared_command last;
@@ -132,12 +132,12 @@ TEST_CASE("G43: a twist is repeated only where the drive has acknowledged both s
         {"the same", both, true, true},
         {"the same, which has failed", both, false, false},
         {"another", turn, true, false},
-        {"another of the left wheel", velocity{30 * r_per_min, 0 * r_per_min}.plan(turning), true, false},
-        {"the left wheel alone", left_velocity{60 * r_per_min}.plan(turning), true, false},
-        {"a halt", plan(halt{}, turning), true, false},
-        {"a read", plan(read_feedback{}, turning), true, true},
-        {"a wait", plan(wait_reached{}, turning), true, true},
-        {"a read that has failed", plan(read_feedback{}, turning), false, true}};
+        {"another of the left wheel", velocity{30 * r_per_min, 0 * r_per_min}.prepare(turning), true, false},
+        {"the left wheel alone", left_velocity{60 * r_per_min}.prepare(turning), true, false},
+        {"a halt", prepare(halt{}, turning), true, false},
+        {"a read", prepare(read_feedback{}, turning), true, true},
+        {"a wait", prepare(wait_reached{}, turning), true, true},
+        {"a read that has failed", prepare(read_feedback{}, turning), false, true}};
     for (const row& r : rows) {
         CAPTURE(r.name);
         commands_since m;
@@ -152,7 +152,7 @@ TEST_CASE("G43: a twist is repeated only where the drive has acknowledged both s
     commands_since m; // the same words are another command in another register
     m.play(both, true);
     m.note_feedback();
-    m.begin(torque{60 * milliampere, 0 * milliampere}.plan(in(operating_mode::torque)));
+    m.begin(torque{60 * milliampere, 0 * milliampere}.prepare(in(operating_mode::torque)));
     CHECK(m.is_new());
 }
 

@@ -26,7 +26,7 @@ void be_enabled_in(rig& r, control_mode mode) {
 }
 // Runs a command of which `count` responses are lost, the first of them the response to frame number `first`.
 template <class Command>
-routine_status run_deaf(rig& r, const Command& wanted, std::size_t first, std::size_t count) {
+command_status run_deaf(rig& r, const Command& wanted, std::size_t first, std::size_t count) {
     const std::size_t start = r.wire.requests();
     REQUIRE(r.drive.begin(wanted) == errc::ok);
     while (!r.drive.is_idle()) {
@@ -267,7 +267,7 @@ TEST_CASE("an output that an earlier homing left on does not confirm a new homin
         REQUIRE(r.drive.run(start_segment{1}));
         REQUIRE(r.drive.run(wait_standstill{}));
         REQUIRE(r.model.is_active(output_function::home_attained));
-        const routine_status got =
+        const command_status got =
             n < 2 ? r.drive.run(home{30 * second}) : r.drive.run(home_electrically{30 * second});
         CHECK(r.model.homings() == 3);
         CHECK(r.model.stands_still());
@@ -296,9 +296,9 @@ TEST_CASE("G18: a write that the drive refuses while it stores writes leaves P0C
         if (is_kept && !r.model.enabled()) REQUIRE(r.model.write(p31, words_view{servo_on}) == 0);
         r.turn();
     }
-    const routine_status got = r.drive.last();
+    const command_status got = r.drive.last();
     CHECK(got.error() == errc::exception);
-    CHECK(got.has_changed);
+    CHECK(got.has_changed());
     CHECK(r.model.peek(eeprom_update.address) == 0);
     CHECK(r.drive.state() == drive_state::needs_init);
     CHECK(r.drive.run(ramps{1 * millisecond, 1 * millisecond}).error() == errc::needs_init);

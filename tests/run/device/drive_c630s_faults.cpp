@@ -31,10 +31,10 @@ struct mishap {
     bool loses_request = false;
 };
 
-template <class Command> routine_status run_with(rig& r, const Command& wanted, const mishap& what) {
+template <class Command> command_status run_with(rig& r, const Command& wanted, const mishap& what) {
     const std::size_t start = r.wire.requests();
     const errc refusal = r.drive.begin(wanted);
-    if (refusal != errc::ok) return routine_status{status{refusal}};
+    if (refusal != errc::ok) return command_status{status{refusal}};
     while (!r.drive.is_idle()) {
         const std::size_t done = r.wire.requests() - start;
         const bool strikes_request = done >= what.first && done < what.first + what.count;
@@ -123,7 +123,7 @@ TEST_CASE(
                 be_enabled_in(r, control_mode::position);
                 REQUIRE(r.drive.run(segment{3, 20'000 * reference_unit, 600 * r_per_min, 50 * millisecond}));
                 r.requests.clear();
-                const routine_status got = run_with(r, start_segment{3}, {first, losses, loses_request});
+                const command_status got = run_with(r, start_segment{3}, {first, losses, loses_request});
                 CHECK(r.model.starts() <= 1);
                 CHECK(count_of(r, p31, terminal::segment_start) <= 1);
                 if (got) {
@@ -159,7 +159,7 @@ TEST_CASE("G21: whichever frame of an enable is lost, the cached state is correc
             rig r;
             REQUIRE(r.make_ready());
             r.requests.clear();
-            const routine_status got = run_with(r, enable{}, {first, losses});
+            const command_status got = run_with(r, enable{}, {first, losses});
             struck += r.wire.struck() != 0 ? 1u : 0u;
             CHECK(count_of(r, p31, terminal::servo_on) <= 1);
             CHECK((r.drive.state() == drive_state::enabled) == static_cast<bool>(got));
@@ -183,7 +183,7 @@ TEST_CASE("G18: whichever frame of the set-up is lost, another init and set_up c
         CAPTURE(first);
         rig r;
         REQUIRE(r.drive.run(init{}));
-        const routine_status got = run_with(r, set_up{}, {first, 3});
+        const command_status got = run_with(r, set_up{}, {first, 3});
         struck += r.wire.struck() != 0 ? 1u : 0u;
         if (!got) {
             CHECK(r.drive.state() == drive_state::needs_init);

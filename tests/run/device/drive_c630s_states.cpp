@@ -228,7 +228,7 @@ TEST_CASE("G29: an enable during which the clock stops returns, and the cached s
     c630s::drive drive{line, 1};
     REQUIRE(drive.run(init{}));
     REQUIRE_FALSE(port.model.enabled());
-    const routine_status got = drive.run(enable{});
+    const command_status got = drive.run(enable{});
     CHECK(got.error() == errc::clock_stopped);
     CHECK(got.outcome() == outcome::unknown);
     CHECK(drive.is_idle()); // nothing waits for the clock to go on
@@ -247,7 +247,7 @@ TEST_CASE("G18: a set-up that the drive refuses half-way leaves P0C-13 at 0") {
     r.model.set_input(1, true);
     finish(r);
     CHECK(r.drive.last().error() == errc::exception);
-    CHECK(r.drive.last().has_changed);
+    CHECK(r.drive.last().has_changed());
     CHECK(r.model.peek(eeprom_update.address) == 0);
     CHECK(r.drive.state() == drive_state::needs_init);
 }
@@ -324,7 +324,7 @@ TEST_CASE("set_up reads back each word that it writes: one that the drive does n
 TEST_CASE("may_have_written covers the writes of a routine up to the reported step, and no others") {
     const routine table{routines::velocity};
     const auto ended = [](unsigned step) {
-        return routine_status{status::sent(errc::timeout), static_cast<std::uint8_t>(step)};
+        return command_status{status::sent(errc::timeout), static_cast<std::uint8_t>(step), false};
     };
     const auto last = static_cast<unsigned>(table.size()) - 1;
     CHECK_FALSE(c630s::detail::may_have_written<target_speed>(table, ended(last - 1)));
@@ -364,17 +364,17 @@ TEST_CASE("init refuses a drive whose word order reads as neither of the two val
     simulated::frame_port<odd_drive> port{model};
     servobus::line line{port, modbus::timing_at(port.baud)};
     c630s::drive drive{line, 1};
-    const routine_status got = drive.run(init{});
+    const command_status got = drive.run(init{});
     CHECK(got.error() == errc::unexpected_value);
     CHECK(drive.state() == drive_state::needs_init);
 }
 
 TEST_CASE("S6: commands with 32-bit values are refused while the word order is unknown") {
     const cached_settings known{.state = drive_state::disabled};
-    CHECK(segment{1, 1 * reference_unit, 1 * r_per_min}.plan(known).refusal == errc::needs_word_order);
-    CHECK(plan(read_feedback{}, known).refusal == errc::needs_word_order);
-    CHECK(read_wide_position{wide_position::load}.plan(known).refusal == errc::needs_word_order);
-    CHECK(plan(set<home_offset>{1}, known).refusal == errc::needs_word_order);
+    CHECK(segment{1, 1 * reference_unit, 1 * r_per_min}.prepare(known).refusal == errc::needs_word_order);
+    CHECK(prepare(read_feedback{}, known).refusal == errc::needs_word_order);
+    CHECK(read_wide_position{wide_position::load}.prepare(known).refusal == errc::needs_word_order);
+    CHECK(prepare(set<home_offset>{1}, known).refusal == errc::needs_word_order);
 }
 
 // Disabled and stopped drives

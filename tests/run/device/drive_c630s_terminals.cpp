@@ -47,10 +47,10 @@ unsigned holders(rig& r, in function) {
     return found;
 }
 
-template <const auto& Row> routine_status keep_function(rig& r, in f) {
+template <const auto& Row> command_status keep_function(rig& r, in f) {
     return r.drive.run(keep<Row>{checked(f)});
 }
-using keeper = routine_status (*)(rig&, in);
+using keeper = command_status (*)(rig&, in);
 constexpr keeper keepers[] = {keep_function<di1_function>, keep_function<di2_function>,
                               keep_function<di3_function>, keep_function<di4_function>,
                               keep_function<di5_function>, keep_function<di6_function>,
@@ -63,7 +63,7 @@ TEST_CASE("6.4.1: an input does not get a function that another input has, and E
     CHECK(r.drive.conflicting_terminal() == 0);
     REQUIRE(r.make_ready());
     r.requests.clear();
-    const routine_status got = r.drive.run(keep<di1_function>{in::home_switch});
+    const command_status got = r.drive.run(keep<di1_function>{in::home_switch});
     CHECK(got.error() == errc::already_assigned);
     CHECK(got.outcome() == outcome::not_sent);
     CHECK(std::string_view{text(got.error())} == "another terminal has this function");
@@ -98,7 +98,7 @@ TEST_CASE("6.4.1: each function is assigned to each input, or refused because an
             CAPTURE(n);
             const unsigned others = holders(r, f) & ~(1u << (n - 1));
             const std::uint32_t stored = r.model.eeprom_writes();
-            const routine_status got = keepers[n - 1](r, f);
+            const command_status got = keepers[n - 1](r, f);
             CHECK(static_cast<bool>(got) == (f == in::none || others == 0));
             if (got) {
                 CHECK(r.model.stored(function_of_di(n)) == static_cast<int>(f));
@@ -128,7 +128,7 @@ TEST_CASE("6.4.1: an input does not get the function of any other input, from DI
         const std::int64_t was = r.model.peek(at);
         set_by_hand(static_cast<std::int64_t>(in::zero_clamp));
         const bool is_other = n != 2;
-        const routine_status got = r.drive.run(set<di2_function>{in::zero_clamp});
+        const command_status got = r.drive.run(set<di2_function>{in::zero_clamp});
         CHECK(got.error() == (is_other ? errc::already_assigned : errc::ok));
         CHECK(r.drive.conflicting_terminal() == (is_other ? at : 0));
         set_by_hand(was);

@@ -51,7 +51,7 @@ TEST_CASE("S4: a start of any kind that is acknowledged and not executed is repo
     closed_axis a{{.start_delay = milliseconds(3000)}};
     take(a);
     REQUIRE(a.drive.run(set_homing_profile{60 * r_per_min, 30 * r_per_min}));
-    const auto check = [&](const routine_status& r) {
+    const auto check = [&](const command_status& r) {
         CHECK(r.error() == errc::not_executed);
         CHECK(a.drive.motion() == motion_check::not_seen);
         CHECK(a.drive.state() == drive_state::enabled); // the rest of the cached state is valid
@@ -216,7 +216,7 @@ TEST_CASE("G16: a command that the drive refuses by an exception was not done, a
     take_homed(a);
     REQUIRE(a.drive.run(set_speed_resolution{speed_count::tenth_r_per_min}));
     // The model enforces the range of its words. The manual does not state whether a drive does.
-    const routine_status r = a.drive.run(velocity{3000 * r_per_min});
+    const command_status r = a.drive.run(velocity{3000 * r_per_min});
     CHECK(r.outcome() == outcome::refused);
     CHECK(r.exception() == 7);
     CHECK(a.drive.state() == drive_state::enabled);
@@ -325,7 +325,7 @@ TEST_CASE("A54: a cleared position leaves an axis homed only where the drive say
         take_homed(a);
         REQUIRE(a.drive.run(move_by{500 * pulse, brisk}, wait_reached{}).how == arrival_state::reached);
         CHECK(a.drive.run(clear_position{}));
-        const routine_status next = a.drive.run(move_to{100 * pulse, brisk});
+        const command_status next = a.drive.run(move_to{100 * pulse, brisk});
         CHECK(next.error() == (homed == sim::yako_homed::until_homing ? errc::ok : errc::needs_homing));
         CHECK(a.drive.state() == drive_state::enabled);
     }
@@ -386,9 +386,9 @@ TEST_CASE("S4: whether a start that got no response was carried out is not known
         REQUIRE(a.drive.run(move_by{100 * pulse, brisk}));
         REQUIRE(a.drive.motion() == motion_check::seen);
         REQUIRE(a.drive.run(wait_reached{}));
-        const errc refusal = is_homing ? a.drive.begin(closed_loop::home{homing::home_24})
-                                       : a.drive.begin(move_by{900 * pulse, brisk});
-        REQUIRE(refusal == errc::ok);
+        const command_status refusal = is_homing ? a.drive.begin(closed_loop::home{homing::home_24})
+                                                 : a.drive.begin(move_by{900 * pulse, brisk});
+        REQUIRE(refusal);
         const auto starts = a.model.starts();
         while (!a.drive.is_idle()) {
             if (a.model.starts() != starts || a.is_moving()) a.wire.faults().lost_response = 1000;

@@ -45,7 +45,7 @@ TEST_CASE("S4, G15: a move is made at most once, whichever frame is lost; after 
             const bool was_lost = run_with_a_loss(a, move_by{1000 * pulse, brisk}, lost, is_response);
             CHECK((was_lost || lost > 4));
             CHECK(a.sent(start_relative_frame) <= 1);
-            const routine_status ended = a.drive.last();
+            const command_status ended = a.drive.last();
             a.run(3000);
             const bool was_made = a.place() == 1000;
             CHECK((was_made || a.place() == 0));

@@ -50,15 +50,15 @@ template <class A> void take_with_input(A& a, input_function as) {
     REQUIRE(a.drive.run(set_input{input::x3, as}));
     REQUIRE(a.drive.run(enable{}));
 }
-routine_status home_by_24(closed_axis& a) { return a.drive.run(closed_loop::home{homing::home_24}); }
-routine_status home_by_24(open_axis& a) { return a.drive.run(open_loop::home{homing::home_24}); }
+command_status home_by_24(closed_axis& a) { return a.drive.run(closed_loop::home{homing::home_24}); }
+command_status home_by_24(open_axis& a) { return a.drive.run(open_loop::home{homing::home_24}); }
 errc begin_home_by_24(closed_axis& a) { return a.drive.begin(closed_loop::home{homing::home_24}); }
 errc begin_home_by_24(open_axis& a) { return a.drive.begin(open_loop::home{homing::home_24}); }
 
 /// Checks that an absolute move reaches its target, or is refused before anything has moved.
 template <class A> void check_absolute_move(A& a, std::int32_t place) {
     const std::int64_t before = a.model.view().shaft;
-    const routine_status r = a.drive.run(move_to{place * pulse, brisk});
+    const command_status r = a.drive.run(move_to{place * pulse, brisk});
     if (!r) {
         CHECK(r.outcome() == outcome::not_sent);
         CHECK(a.model.view().shaft == before);
@@ -88,7 +88,7 @@ template <class A> void release_loses_the_place_of_an_open_loop(const drive_opti
     take_homed(a);
     REQUIRE(a.drive.run(disable{}));
     CHECK_FALSE(a.model.enabled());
-    const routine_status r = a.drive.run(enable{});
+    const command_status r = a.drive.run(enable{});
     if (!r) {
         CHECK(by.homed == sim::yako_homed::until_place_lost);
         CHECK(r.error() == errc::needs_init);
@@ -138,7 +138,7 @@ template <class A> void init_stops_what_runs(const drive_options& by) {
         a.run(20);
         a.requests.clear();
         decltype(a.drive) successor{restarted, 1};
-        const routine_status r = successor.run(init{});
+        const command_status r = successor.run(init{});
         CHECK(same_bytes(a.requests[0], stop_frame));
         for (std::size_t i = 1; i < a.requests.size(); ++i)
             CHECK((a.requests[i][1] == 0x03 || simulated::is_marker(a.requests[i])));
@@ -182,7 +182,7 @@ template <class A> void a_start_while_a_stop_input_is_active_is_told(const drive
     take_with_input(a, input_function::stop);
     a.model.set_input(3, true);
     a.run(10);
-    const routine_status r = a.drive.run(move_by{1000 * pulse, brisk});
+    const command_status r = a.drive.run(move_by{1000 * pulse, brisk});
     CHECK(r.error() == (by.refuses_unfit ? errc::exception : errc::not_executed));
     CHECK_FALSE(r);
     a.model.set_input(3, false);
@@ -220,7 +220,7 @@ template <class A> void a_restart_tears_no_32_bit_value(const drive_options& by)
     take(a);
     REQUIRE(a.drive.run(set_word_order{word_order_setting::low_first}));
     a.model.power_cycle();
-    const routine_status r = a.drive.run(move_by{70'000 * pulse, brisk});
+    const command_status r = a.drive.run(move_by{70'000 * pulse, brisk});
     if (!r) CHECK(r.outcome() == outcome::not_sent);
     a.run(10'000);
     CHECK(a.model.view().shaft == (r ? 70'000 : 0));
@@ -231,7 +231,7 @@ template <class A> void a_restart_turns_at_no_other_speed(const drive_options& b
     take(a);
     if (is_closed<A>) REQUIRE(a.drive.run(set_speed_resolution{speed_count::tenth_r_per_min}));
     a.model.power_cycle();
-    const routine_status r = a.drive.run(velocity{60 * r_per_min});
+    const command_status r = a.drive.run(velocity{60 * r_per_min});
     if (!r) CHECK(r.outcome() == outcome::not_sent);
     a.run(1000);
     CHECK((a.model.view().speed + 500'000) / 1'000'000 == (r ? 60 : 0));
@@ -256,7 +256,7 @@ template <class A> void limits_that_a_restart_lost_are_found_out(const drive_opt
     take(a);
     REQUIRE(a.drive.run(limit_travel{5000 * pulse, -5000 * pulse}));
     a.model.power_cycle();
-    const routine_status r = a.drive.run(move_by{10 * pulse, brisk});
+    const command_status r = a.drive.run(move_by{10 * pulse, brisk});
     if (r) CHECK(a.model.peek(0x0018) == 1);
     if (!r) CHECK(r.outcome() == outcome::not_sent);
 }
@@ -351,7 +351,7 @@ template <class A> void an_interrupting_move_ends_where_it_says(const drive_opti
     a.run(500);
     // the move is over at the first read
     const motion_profile steep{600 * r_per_min, {}, {}, 600 * r_per_min};
-    const routine_status r = a.drive.run(move_by{2 * pulse, steep, while_moving::interrupt});
+    const command_status r = a.drive.run(move_by{2 * pulse, steep, while_moving::interrupt});
     if (!by.interrupts_from_target) CHECK(r);
     CHECK(a.drive.motion() == motion_check::unknown);
 }

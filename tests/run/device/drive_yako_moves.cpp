@@ -252,7 +252,7 @@ TEST_CASE("4.3: homing by every method of the variant ends at the position that 
         take(a);
         REQUIRE(a.drive.run(set_homing_profile{120 * r_per_min, 30 * r_per_min}));
         const auto frames = a.requests.size();
-        const routine_status r = a.drive.run(closed_loop::home{checked(m)});
+        const command_status r = a.drive.run(closed_loop::home{checked(m)});
         if (!closed_loop::is_valid(m)) {
             CHECK(r.error() == errc::out_of_range);
             CHECK(a.requests.size() == frames);
@@ -274,7 +274,7 @@ TEST_CASE("4.3: homing by every method of the variant ends at the position that 
         take(a);
         REQUIRE(a.drive.run(set_homing_profile{120 * r_per_min, 30 * r_per_min}));
         const auto frames = a.requests.size();
-        const routine_status r = a.drive.run(open_loop::home{checked(m)});
+        const command_status r = a.drive.run(open_loop::home{checked(m)});
         if (!open_loop::is_valid(m)) {
             CHECK(r.error() == errc::out_of_range);
             CHECK(a.requests.size() == frames);
@@ -327,7 +327,7 @@ TEST_CASE("4.3: a homing fails if it finds no switch in time, meets the wrong li
         closed_axis a; // no machine is attached: the motor would turn for ever
         take(a);
         REQUIRE(a.drive.run(set_homing_profile{60 * r_per_min, 30 * r_per_min}));
-        const routine_status r = a.drive.run(
+        const command_status r = a.drive.run(
             closed_loop::home{homing::home_24, {}, offset_handling::move_position_zero, milliseconds(3000)});
         CHECK(r.error() == errc::not_reached);
         CHECK_FALSE(a.is_moving()); // the facade has stopped it
@@ -341,7 +341,7 @@ TEST_CASE("4.3: a homing fails if it finds no switch in time, meets the wrong li
         a.model.attach(m);
         take(a);
         REQUIRE(a.drive.run(set_homing_profile{300 * r_per_min, 30 * r_per_min}));
-        const routine_status r = a.drive.run(closed_loop::home{homing::positive_home_19});
+        const command_status r = a.drive.run(closed_loop::home{homing::positive_home_19});
         CHECK((r.error() == errc::not_reached || r.error() == errc::faulted));
         CHECK_FALSE(a.drive.cached().is_homed);
     }
@@ -349,7 +349,7 @@ TEST_CASE("4.3: a homing fails if it finds no switch in time, meets the wrong li
         closed_axis a{{.start_delay = milliseconds(400)}};
         a.model.attach(simulated::yako_slide());
         take(a);
-        const routine_status r = a.drive.run(closed_loop::home{homing::home_24});
+        const command_status r = a.drive.run(closed_loop::home{homing::home_24});
         CHECK(r.error() == errc::not_executed);
         CHECK_FALSE(a.drive.cached().is_homed);
         CHECK(a.drive.motion() == motion_check::not_seen);

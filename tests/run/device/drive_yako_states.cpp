@@ -47,7 +47,7 @@ TEST_CASE("init refuses a drive whose settings read as invalid values, and the d
         const std::uint32_t starts = a.model.starts();
         a.model.odd_address = address;
         a.model.odd_word = 2;
-        const routine_status got = a.drive.run(init{});
+        const command_status got = a.drive.run(init{});
         CHECK(got.error() == errc::unexpected_value);
         CHECK(a.drive.state() == drive_state::needs_init);
         CHECK(a.drive.run(move_by{100 * pulse, brisk}).error() == errc::needs_init);
@@ -74,7 +74,7 @@ TEST_CASE_TEMPLATE("4.1: a wait for standstill shows an alarm, which frees the m
     a.run(500);
     REQUIRE(a.is_moving());
     a.model.raise_alarm(1);
-    const routine_status seen = a.drive.run(wait_standstill{});
+    const command_status seen = a.drive.run(wait_standstill{});
     CHECK(seen.error() == errc::faulted);
     CHECK(seen.register_address() == status_word.address); // the alarm is there
     CHECK(a.model.alarm() == 1);
@@ -184,7 +184,7 @@ TEST_CASE("5.1: a clear_position after which the position is not zero is reporte
 TEST_CASE("4.3: a second declare_position waits for the drive to execute it") {
     closed_axis a{{.start_delay = milliseconds(100)}};
     take_homed(a);
-    const routine_status r = a.drive.run(declare_position{500 * pulse});
+    const command_status r = a.drive.run(declare_position{500 * pulse});
     CHECK(r);
     CHECK(a.drive.cached().is_homed);
     REQUIRE(a.drive.read());
@@ -253,7 +253,7 @@ TEST_CASE("4.3: a second homing that does not change the position is confirmed o
         take(a);
         REQUIRE(a.drive.run(declare_position{3000 * pulse}));
         REQUIRE(a.drive.run(set_homing_profile{300 * r_per_min, 60 * r_per_min}));
-        const routine_status r = a.drive.run(
+        const command_status r = a.drive.run(
             closed_loop::home{homing::home_24, 700 * pulse, offset_handling::stay_position_actual});
         CHECK(static_cast<bool>(r) == falls); // A54: otherwise it cannot be distinguished from an interrupted
                                               // one short

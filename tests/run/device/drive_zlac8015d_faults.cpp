@@ -157,11 +157,11 @@ TEST_CASE("G26: the late response to the preceding speed does not confirm a halt
     be_enabled_in(r, operating_mode::velocity);
     r.wire.faults().late_response = 1000;
     r.wire.faults().late_by = milliseconds(106);
-    const routine_status late = r.drive.run(velocity{100 * r_per_min, 100 * r_per_min});
+    const command_status late = r.drive.run(velocity{100 * r_per_min, 100 * r_per_min});
     CHECK(late.outcome() == outcome::unknown);
     CHECK(r.wire.struck() != 0);
     r.wire.faults() = {};
-    const routine_status stopped = r.drive.run(halt{});
+    const command_status stopped = r.drive.run(halt{});
     REQUIRE(stopped);
     CHECK(r.model.stands_still());
     CHECK(r.model.peek(0x2088) == 0);
@@ -297,7 +297,7 @@ TEST_CASE("S3: the pause is counted from the last request that the drive receive
         r.wire.pass(milliseconds(ms));
         const bool was_stopped = r.model.in_watchdog_stop();
         const std::size_t before = r.log.frames.size();
-        const routine_status after = r.drive.run(velocity{100 * r_per_min, 100 * r_per_min});
+        const command_status after = r.drive.run(velocity{100 * r_per_min, 100 * r_per_min});
         if (was_stopped) CHECK(after.error() == errc::needs_init);
         if (was_stopped) CHECK(r.log.frames.size() == before); // any frame would end the drive's stop
     }
@@ -378,7 +378,7 @@ TEST_CASE("G16: a write that is on the wire when the clock stops is unknown, not
     } port;
     servobus::line on{port, modbus::timing_at(115200)};
     zlac8015d::drive drive{on, 1, unsupervised};
-    const routine_status r = drive.run(disable{});
+    const command_status r = drive.run(disable{});
     CHECK(port.sends == 1);
     CHECK(r.error() == errc::clock_stopped);
     CHECK(r.outcome() == outcome::unknown);

@@ -320,7 +320,7 @@ TEST_CASE("2022h scales commands: a speed is exact in every resolution, or refus
         REQUIRE(r.live(milliseconds(1500)));
         CHECK(whole_rpm(r.model.left().speed) == 60);
         CHECK(whole_rpm(r.model.right().speed) == -60);
-        const routine_status half = r.drive.run(velocity{5 * part<10>(r_per_min), 0 * r_per_min});
+        const command_status half = r.drive.run(velocity{5 * part<10>(r_per_min), 0 * r_per_min});
         CHECK(half.error() == (n % 2 == 0 ? errc::ok : errc::inexact));
         CHECK(r.drive.run(resolution{2}).error() == errc::wrong_state);
     }

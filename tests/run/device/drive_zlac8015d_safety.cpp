@@ -66,7 +66,7 @@ TEST_CASE("S3: if a pair of speeds is too high, both wheels are slowed down toge
     for (std::uint16_t n = 1; n <= 10; ++n) {
         known.resolution = n;
         const velocity v = clamped_velocity{400 * r_per_min, -100 * r_per_min}.within(known);
-        CHECK(v.plan(known).refusal == errc::ok);
+        CHECK(v.prepare(known).refusal == errc::ok);
         CHECK(v.left.count() <= 200 * 2520);
         CHECK(v.left.count() > 196 * 2520);
         const std::int32_t right = -v.right.count() * 4;
@@ -77,7 +77,7 @@ TEST_CASE("S3: if a pair of speeds is too high, both wheels are slowed down toge
         CHECK(slow.right == speed{40 * r_per_min});
         const velocity huge =
             clamped_velocity{2'000'000'000 * r_per_min, -2'000'000'000 * r_per_min}.within(known);
-        CHECK(huge.plan(known).refusal == errc::ok);
+        CHECK(huge.prepare(known).refusal == errc::ok);
         CHECK(huge.left.count() == -huge.right.count());
     }
 }
@@ -226,8 +226,8 @@ TEST_CASE("S3, G15: a relative move is made at most once, whichever frame is los
             CHECK(r.sent(hex("01 06 20 0E 00 10 E2 05")) <= 1);
             r.wire.pass(milliseconds(900));
             CHECK(r.model.starts() <= 1);
-            const routine_status ended = r.drive.last();
-            if (ended.outcome() == outcome::unknown && ended.step == routines::start_step) {
+            const command_status ended = r.drive.last();
+            if (ended.outcome() == outcome::unknown && ended.step() == routines::start_step) {
                 CHECK(r.drive.state() == drive_state::needs_init);
                 if (r.drive.motion() == motion_check::seen) {
                     ++seen;
@@ -277,7 +277,7 @@ TEST_CASE("G16, G21: an unknown outcome invalidates the cached state; nothing mo
     rig r;
     be_enabled_in(r, operating_mode::velocity);
     r.wire.faults().lost_response = 1000;
-    const routine_status lost = r.drive.run(velocity{50 * r_per_min, 50 * r_per_min});
+    const command_status lost = r.drive.run(velocity{50 * r_per_min, 50 * r_per_min});
     CHECK(lost.outcome() == outcome::unknown);
     CHECK(lost.error() == errc::timeout);
     CHECK(r.drive.state() == drive_state::needs_init);

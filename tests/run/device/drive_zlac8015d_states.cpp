@@ -56,7 +56,7 @@ TEST_CASE("init refuses a drive whose resolution reads as an invalid value") {
         odd_rig r;
         r.model().odd_address = speed_resolution.address;
         r.model().odd_word = n;
-        const routine_status got = r.drive.run(init{});
+        const command_status got = r.drive.run(init{});
         CHECK(got.error() == errc::unexpected_value);
         CHECK(r.drive.state() == drive_state::needs_init);
         CHECK(r.drive.run(enable{}).error() == errc::needs_init);
@@ -102,7 +102,7 @@ TEST_CASE("G16: a start that the drive refuses was not executed, and no position
     REQUIRE(r.drive.run(init{}));
     REQUIRE(r.drive.run(enable_in{operating_mode::relative_position}));
     r.model().refused = static_cast<u16>(control_code::start_both);
-    const routine_status got = r.drive.run(move_by{1000 * pulse, 1000 * pulse});
+    const command_status got = r.drive.run(move_by{1000 * pulse, 1000 * pulse});
     CHECK(got.error() == errc::exception);
     CHECK(got.exception() == 4);
     CHECK(r.drive.motion() == motion_check::not_asked);
@@ -118,7 +118,7 @@ TEST_CASE("S3: after a start that got no response for longer than the watchdog t
     REQUIRE(r.drive.run(enable_in{operating_mode::relative_position}));
     constexpr std::size_t start_frame = 3; // after the mode, the feedback and the positions
     r.port.plan(simulated::mishap::no_more_responses, start_frame);
-    const routine_status got = r.drive.run(move_by{100'000 * pulse, 100'000 * pulse});
+    const command_status got = r.drive.run(move_by{100'000 * pulse, 100'000 * pulse});
     REQUIRE(r.model().starts() == 1);
     CHECK(got.outcome() == outcome::unknown);
     CHECK(r.drive.motion() == motion_check::unknown);
@@ -234,8 +234,8 @@ namespace {
 /// A command of a program's own: a move that counts as a motion without an end.
 struct endless_move {
     distance way;
-    constexpr prepared_command plan(const cached_settings& cached) const {
-        prepared_command o = move_by{way, way}.plan(cached);
+    constexpr prepared_command prepare(const cached_settings& cached) const {
+        prepared_command o = move_by{way, way}.prepare(cached);
         o.then = effect::motion;
         return o;
     }
@@ -295,7 +295,7 @@ TEST_CASE("a wheel counts as stopped at 2 r/min and below, either way") {
             REQUIRE(r.drive.run(init{}));
             r.model().odd_address = wheel;
             r.model().odd_word = static_cast<u16>(tenths);
-            const routine_status got = r.drive.run(disable{});
+            const command_status got = r.drive.run(disable{});
             CHECK(got.error() == (tenths == 20 || tenths == -20 ? errc::ok : errc::not_reached));
         }
     }

@@ -147,7 +147,7 @@ TEST_CASE_TEMPLATE(
     REQUIRE(drive.run(c::enable_in{c::control_mode::speed}));
     REQUIRE(drive.run(c::velocity{100 * r_per_min}));
     port.is_cut = true;
-    const routine_status s = drive.run(c::velocity{200 * r_per_min});
+    const command_status s = drive.run(c::velocity{200 * r_per_min});
     CHECK(s.outcome() != outcome::done);
     CHECK(s.outcome() != outcome::refused);
     CHECK(s.error() == errc::gateway_exception);

@@ -452,7 +452,8 @@ TEST_CASE("its arguments are checked before anything is sent") {
     CHECK(refusal_of({60 * r_per_min, milliseconds(1001)}) == errc::out_of_range);
     CHECK(refusal_of({60 * r_per_min, milliseconds(50), 2001 * millisecond}) == errc::out_of_range);
     CHECK(refusal_of({60 * r_per_min, milliseconds(50), {}, yako::time{-1}}) == errc::out_of_range);
-    CHECK(at_60.plan({.state = drive_state::enabled, .has_scale = true}).refusal == errc::unexpected_value);
+    CHECK(at_60.prepare({.state = drive_state::enabled, .has_scale = true}).refusal ==
+          errc::unexpected_value);
     CHECK(a.requests.size() == frames);
     REQUIRE(a.drive.run(disable{}));
     CHECK(refusal_of(at_60) == errc::wrong_state);

@@ -24,7 +24,7 @@ constexpr distance way = 100'000 * reference_unit;
 /// A move that FunIN.34 interrupts, and the result of `wait_standstill`.
 struct cut_move {
     rig machine;
-    routine_status end{};
+    command_status end{};
     std::int64_t went = 0; ///< reference units, 10000 for a revolution of 131072 encoder counts
     bool has_alarm = false;
     bool is_still = false;

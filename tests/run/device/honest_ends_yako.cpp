@@ -21,7 +21,7 @@ template <class A> struct move_that_is_cut_short {
     static constexpr std::int32_t ordered = 10'000;
 
     A axis;
-    routine_status stood;
+    command_status stood;
 
     move_that_is_cut_short() {
         const motion_profile by{10 * r_per_min, 100 * millisecond, 100 * millisecond, 600 * r_per_min};
@@ -84,7 +84,7 @@ TEST_CASE_TEMPLATE(
             REQUIRE(a.drive.run(enable{}));
             a.model.set_input(3, is_ignored);
             const std::int64_t before = a.model.view().shaft;
-            const routine_status r =
+            const command_status r =
                 a.drive.run(move_by{way * pulse, motion_profile{0 * r_per_min, 10 * millisecond,
                                                                 10 * millisecond, 60 * r_per_min}});
             a.run(200);

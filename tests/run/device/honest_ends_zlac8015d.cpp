@@ -229,7 +229,7 @@ TEST_CASE("a fault of one wheel stops both if an enable or a halt has read it fi
         REQUIRE(r.drive.run(velocity{100 * r_per_min, 100 * r_per_min}));
         REQUIRE(r.live(milliseconds(1000)));
         r.model.raise(fault::overcurrent, fault::none);
-        const routine_status ended =
+        const command_status ended =
             is_halt ? r.drive.run(halt{}) : r.drive.run(enable_in{operating_mode::torque});
         CHECK(static_cast<bool>(ended) == is_halt);
         const auto stop = servobus::modbus::write_frame(1, control_word.address, 7);

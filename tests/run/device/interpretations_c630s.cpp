@@ -43,7 +43,7 @@ bool make_ready(rig& r, const sim::c630s_options& how) {
 /// Enables the drive, or checks that the enable fails where nothing can confirm it, and that the power is
 /// then off.
 bool enables(rig& r, const sim::c630s_options& how, control_mode mode) {
-    const routine_status got = r.drive.run(enable_in{mode});
+    const command_status got = r.drive.run(enable_in{mode});
     CHECK(static_cast<bool>(got) == can_enable(how));
     if (got) return true;
     CHECK((got.error() == errc::wrong_state || got.error() == errc::not_reached));
@@ -300,7 +300,7 @@ TEST_CASE("C82: if a software reset is no power-on, a drive that waits for a pow
         (void)r.drive.run(restart{});
         r.run(100);
         REQUIRE(r.drive.run(init{}));
-        const routine_status got = r.drive.run(enable_in{control_mode::speed});
+        const command_status got = r.drive.run(enable_in{control_mode::speed});
         CHECK(static_cast<bool>(got) == is_power_on);
         CHECK(r.model.enabled() == is_power_on);
         if (is_power_on) continue;

@@ -53,7 +53,7 @@ TEST_CASE("S2: an enable is confirmed, or the drive is stopped and the command r
             CAPTURE(static_cast<int>(mode));
             rig r{of};
             REQUIRE(r.drive.run(init{}));
-            const routine_status got = r.drive.run(enable_in{checked(mode)});
+            const command_status got = r.drive.run(enable_in{checked(mode)});
             const bool can_know =
                 mode != operating_mode::torque || of.in_torque_mode == options::shaft::locked;
             CHECK(static_cast<bool>(got) == can_know);
@@ -143,7 +143,7 @@ TEST_CASE("S3: after a fault of one wheel the next read stops both" *
             CHECK_FALSE(r.model.enabled());
             CHECK(r.drive.state() == drive_state::faulted);
             r.model.end_faults();
-            const routine_status reset = r.drive.run(fault_reset{});
+            const command_status reset = r.drive.run(fault_reset{});
             CHECK(static_cast<bool>(reset) == (of.code == options::fault_code::until_reset));
             if (!reset) CHECK(reset.error() == errc::faulted);
             if (!reset) CHECK(r.drive.run(enable{}).error() == errc::faulted);
@@ -167,7 +167,7 @@ TEST_CASE("S3: after a long pause the first frame stops the drive, and nothing m
             r.log.frames.clear();
             CHECK(r.drive.run(velocity{50 * r_per_min, 50 * r_per_min}).error() == errc::needs_init);
             CHECK(r.log.frames.empty());
-            const routine_status got = halts ? r.drive.run(halt{}) : r.drive.run(init{});
+            const command_status got = halts ? r.drive.run(halt{}) : r.drive.run(init{});
             REQUIRE(got);
             CHECK(same_bytes(r.log.frames[0], zero_targets));
             r.wire.pass(milliseconds(300));
@@ -187,7 +187,7 @@ TEST_CASE(
         const auto before = r.model.writes_to(0x2000);
         REQUIRE(r.drive.run(init{}));
         CHECK(r.drive.cached().host_timeout == 0);
-        const routine_status got = r.drive.run(enable_in{operating_mode::velocity});
+        const command_status got = r.drive.run(enable_in{operating_mode::velocity});
         // A stopped drive that reports a locked shaft looks like an enabled one. It does not move either.
         const bool shows = of.after_quick_stop == options::stopped::emergency;
         CHECK(static_cast<bool>(got) == (of.host_timeout == options::zero::off || !shows));

@@ -177,7 +177,7 @@ TEST_CASE(
         REQUIRE(r.drive.run(torque_slope{30'000 * milliampere_per_second}));
         REQUIRE(r.drive.run(brakes{held, held}));
         REQUIRE(r.drive.run(torque{8 * ampere, 8 * ampere}));
-        const routine_status changed = r.drive.run(enable_in{operating_mode::velocity});
+        const command_status changed = r.drive.run(enable_in{operating_mode::velocity});
         REQUIRE(static_cast<bool>(changed) == can_move(of)); // refused, if the bit is 1 while enabled
         if (!changed) CHECK(changed.error() == errc::busy);
         if (!changed) return std::size_t{1};

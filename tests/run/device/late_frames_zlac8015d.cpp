@@ -89,8 +89,8 @@ TEST_CASE("G2, G15: a move with one frame that is late is made once, and its end
             be_ready(w);
             const std::int64_t from = w.position();
             w.spoil(late);
-            const routine_status moved = w.r.drive.run(move_by{2000 * pulse, 2000 * pulse});
-            const routine_status reached = moved ? w.r.drive.run(wait_reached{}) : moved;
+            const command_status moved = w.r.drive.run(move_by{2000 * pulse, 2000 * pulse});
+            const command_status reached = moved ? w.r.drive.run(wait_reached{}) : moved;
             check_read(w);
             check_read(w);
             CHECK(w.starts_sent <= 1);
@@ -118,7 +118,7 @@ TEST_CASE("G2, G15: a program whose frames are all late makes no move twice and 
         late_rig w{ms};
         be_ready(w);
         w.spoil(every_frame);
-        const routine_status moved = w.r.drive.run(move_by{2000 * pulse, 2000 * pulse});
+        const command_status moved = w.r.drive.run(move_by{2000 * pulse, 2000 * pulse});
         CHECK(moved.outcome() != outcome::done);
         for (int i = 0; i < 10; ++i) {
             check_read(w);

@@ -262,7 +262,7 @@ TEST_CASE(
         return static_cast<std::int32_t>(b.machine.peek(c::absolute_position.address));
     };
     for (int round = 0; round < 3; ++round) {
-        const routine_status homed = b.drive.run(c::home{30 * second});
+        const command_status homed = b.drive.run(c::home{30 * second});
         CAPTURE(round);
         REQUIRE(homed);
         unsigned given = 0;

@@ -63,7 +63,7 @@ TEST_CASE("4.3: a position that is not the declared one after 200 ms was not tak
     cached_settings known{};
     known.state = drive_state::enabled;
     known.word_order = word_order::high_first;
-    const prepared_command c = declare_position{500 * pulse}.plan(known);
+    const prepared_command c = declare_position{500 * pulse}.prepare(known);
     std::array<u16, 8> words{};
     words[routines::status_at] = 0x0002; // homed
     motion_under_way<closed_loop::device> m;
@@ -146,7 +146,7 @@ TEST_CASE("A61: a wait for a move that rests at the end of the counter's range, 
     model<closed_loop::device> m;
     REQUIRE(m.permit(move, {image(2'147'483'000).data(), {}, {}}, known) == errc::ok);
     REQUIRE(m.learn(move, endings{}.done(), known) == errc::ok);
-    const prepared_command wait = plan(wait_reached{}, known);
+    const prepared_command wait = prepare(wait_reached{}, known);
     const auto ended = [&](std::int64_t position) {
         return m.confirm(wait, {image(position).data(), {}, milliseconds(5000)}, known);
     };
@@ -166,7 +166,7 @@ TEST_CASE("G34: a move that was replaced, or a way that began while the motor mo
     const std::array<u16, 7> at_500{0, motion_status::homed_bit, 0, 0, 0, 500};
     const auto arrives = [&](const auto& wanted, const std::array<u16, 7>& before) {
         motion_under_way<closed_loop::device> m;
-        const prepared_command c = wanted.plan(known);
+        const prepared_command c = wanted.prepare(known);
         m.begin(c, before.data(), known);
         m.keep_goal(c);
         return m.arrival_of(at_500.data(), milliseconds(900), known).how;
@@ -177,7 +177,7 @@ TEST_CASE("G34: a move that was replaced, or a way that began while the motor mo
     CHECK(arrives(move_to{500 * pulse}, moving) == arrival_state::reached);
 
     model<closed_loop::device> m;
-    prepared_command c = move_by{500 * pulse}.plan(known);
+    prepared_command c = move_by{500 * pulse}.prepare(known);
     REQUIRE(m.permit(c, {at_rest.data(), {}, {}}, known) == errc::ok);
     REQUIRE(m.learn(c, endings{}.done({at_rest.data(), at_rest.size()}), known) == errc::ok);
     REQUIRE(m.arrival_of(at_500.data(), milliseconds(900), known).how == arrival_state::reached);

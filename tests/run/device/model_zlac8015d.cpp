@@ -44,7 +44,7 @@ image_words at(std::int32_t left, std::int32_t right, std::uint16_t status = sta
 /// A model that has begun a relative move of both wheels by 1000 counts, from zero.
 model moving(cached_settings& known) {
     model m;
-    prepared_command c = move_by{1000 * pulse, 1000 * pulse}.plan(known);
+    prepared_command c = move_by{1000 * pulse, 1000 * pulse}.prepare(known);
     REQUIRE(c.refusal == errc::ok);
     const image_words before = at(0, 0);
     REQUIRE(m.learn(c, endings{}.done({before.data(), before.size()}), known) == errc::ok);
@@ -84,7 +84,7 @@ TEST_CASE("G34: after an enable there is no move of which the end could be told"
     cached_settings known = enabled_in(operating_mode::relative_position);
     model m = moving(known);
     REQUIRE(m.arrival_of(wheels::both, at(1000, 1000).data(), {}).how == arrival_state::reached);
-    prepared_command c = enable_in{operating_mode::relative_position}.plan(known);
+    prepared_command c = enable_in{operating_mode::relative_position}.prepare(known);
     REQUIRE(m.learn(c, endings{}.done(), known) == errc::ok);
     CHECK(m.arrival_of(wheels::both, at(1000, 1000).data(), {}).how == arrival_state::none);
 }
@@ -94,9 +94,9 @@ TEST_CASE(
     for (const drive_state state : {drive_state::enabled, drive_state::needs_init}) {
         cached_settings known = enabled_in(operating_mode::relative_position);
         model m = moving(known);
-        prepared_command c = move_by{500 * pulse, 500 * pulse}.plan(known);
+        prepared_command c = move_by{500 * pulse, 500 * pulse}.prepare(known);
         const auto failed_at = static_cast<std::uint8_t>(routines::start_step);
-        const routine_status lost{status::sent(errc::timeout), failed_at, true};
+        const command_status lost{status::sent(errc::timeout), failed_at, true};
         c.steps = no_steps; // as the facade calls it
         known.state = state;
         REQUIRE(m.learn(c, endings{}.failed(lost), known) == errc::ok);

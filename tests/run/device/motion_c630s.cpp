@@ -97,7 +97,7 @@ struct servo : simulated::simulated_model<reporting, sim::c630s_options, 57600> 
         REQUIRE(drive.run(init{}));
         REQUIRE(drive.run(enable_in{control_mode::position}));
     }
-    routine_status move(std::int32_t way) {
+    command_status move(std::int32_t way) {
         REQUIRE(drive.run(segment{1, way * reference_unit, 60 * r_per_min}));
         return drive.run(start_segment{1});
     }

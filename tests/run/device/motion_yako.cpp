@@ -137,7 +137,7 @@ TEST_CASE(
         REQUIRE(a.drive.run(move_by{10'000 * pulse}));
         a.model.show(s.seen);
         const distance way = s.way * pulse;
-        const routine_status got = s.command == 'm'   ? a.drive.run(move_by{way})
+        const command_status got = s.command == 'm'   ? a.drive.run(move_by{way})
                                    : s.command == 'i' ? a.drive.run(move_by{way, {}, while_moving::interrupt})
                                    : s.command == 'b' ? a.drive.run(bounded_jog{way})
                                                       : a.drive.run(yako::velocity{30 * r_per_min});
@@ -209,7 +209,7 @@ TEST_CASE("G16: what a start without a response has done, by the image after it"
             a.model.is_low_first = is_low_first;
             a.model.show({s.before, s.after});
             a.model.loses_start = true;
-            const routine_status got =
+            const command_status got =
                 is_jog ? a.drive.run(yako::velocity{30 * r_per_min}) : a.drive.run(move_by{100 * pulse});
             CHECK(got.error() == errc::timeout);
             const std::size_t asked = a.requests.size();

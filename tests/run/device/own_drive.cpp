@@ -56,9 +56,10 @@ struct rig {
 
 // A model is a constant of the program where its functions are.
 static_assert(winch::model::blocks.image().contains(winch::position.address, 2));
-static_assert(winch::model::kinds[winch::turn{}.plan({}).then] == command_kind::endless_motion);
-static_assert(winch::turn{601 * r_per_min}.plan({drive_state::enabled}).refusal == errc::out_of_range);
-static_assert(winch::move_to{2'000'000 * pulse}.plan({drive_state::enabled}).refusal == errc::out_of_range);
+static_assert(winch::model::kinds[winch::turn{}.prepare({}).then] == command_kind::endless_motion);
+static_assert(winch::turn{601 * r_per_min}.prepare({drive_state::enabled}).refusal == errc::out_of_range);
+static_assert(winch::move_to{2'000'000 * pulse}.prepare({drive_state::enabled}).refusal ==
+              errc::out_of_range);
 
 } // namespace
 
@@ -154,7 +155,7 @@ TEST_CASE("own drive: on a line that loses frames a start is made at most once, 
         r.loop(static_cast<std::uint32_t>(seed));
         r.wire.faults() = {.lost_request = 100, .lost_response = 150};
         const std::uint32_t before = r.machine.starts();
-        const routine_status ended = r.drum.run(winch::move_to{3'000 * pulse});
+        const command_status ended = r.drum.run(winch::move_to{3'000 * pulse});
         CHECK(r.machine.starts() <= before + 1);
         if (ended) CHECK(r.machine.starts() == before + 1);
         if (ended.outcome() == outcome::not_sent) CHECK(r.machine.starts() == before);
@@ -190,7 +191,7 @@ constexpr step hasty_steps[] = {steps::write<winch::control_word>(winch::control
                                 steps::write<winch::control_word>(winch::control_code::hold)};
 /// A command that asks for the witness of a drive of which nothing is known.
 struct hasty {
-    constexpr winch::prepared_command plan(const winch::cached_settings&) const {
+    constexpr winch::prepared_command prepare(const winch::cached_settings&) const {
         return {.steps = hasty_steps};
     }
 };
@@ -199,7 +200,7 @@ struct hasty {
 TEST_CASE("own drive: a routine that asks for a witness before init ends there") {
     rig r;
     CHECK(r.drum.run(hasty{}).error() == errc::needs_init);
-    CHECK(r.drum.last().step == 1);
+    CHECK(r.drum.last().step() == 1);
     CHECK_FALSE(r.machine.is_energised());
 }
 

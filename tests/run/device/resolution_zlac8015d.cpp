@@ -56,8 +56,8 @@ struct program {
 
     explicit program(options chosen) : r{chosen} {}
 
-    template <class Command> routine_status run(const Command& command) {
-        if (const errc refusal = r.drive.begin(command); refusal != errc::ok) return routine_status{refusal};
+    template <class Command> command_status run(const Command& command) {
+        if (const command_status begun = r.drive.begin(command); !begun) return begun;
         for (tests::loop_bound left{"the end of a command"}; !r.drive.is_idle(); left.use()) {
             before_each_step();
             const duration idle = r.drive.step();
@@ -66,7 +66,7 @@ struct program {
         }
         return r.drive.last();
     }
-    template <class... Settings> take_over_status run(const take_over<Settings...>& list) {
+    template <class... Settings> command_status run(const take_over<Settings...>& list) {
         return list.run_by(r.drive, [this](const auto& command) { return this->run(command); });
     }
     void watch() {
@@ -95,7 +95,7 @@ struct program {
         int power_cycles = 0;
         bool turns = false;
         for (int i = 0; i < 12 && !turns; ++i) {
-            const take_over_status how = run(set_up);
+            const command_status how = run(set_up);
             CHECK(fastest <= wanted);
             if (how.part() == take_over_part::power_cycle) {
                 CHECK(r.drive.state() == drive_state::needs_power_cycle);
@@ -286,7 +286,7 @@ TEST_CASE("a resolution that was not written asks for no power cycle") {
 TEST_CASE("a drive that did not keep the value is told again") {
     rig r;
     for (int i = 0; i < 3; ++i) {
-        const take_over_status how = r.drive.run(set_up);
+        const command_status how = r.drive.run(set_up);
         CHECK(how.part() == take_over_part::power_cycle);
         CHECK(how.error() == errc::wrong_state);
         CHECK(r.model.saves() == static_cast<std::uint32_t>(i + 1)); // once for each power cycle
@@ -316,7 +316,7 @@ TEST_CASE("G17: a setpoint loop that waits for the power cycle writes and saves 
                 loop.set({50 * r_per_min, -50 * r_per_min});
                 (void)loop.step();
                 if (const loop_report ended = loop.take_report();
-                    ended.what == loop_part::take_over && ended.at == take_over_part::power_cycle)
+                    ended.what == loop_part::take_over && ended.how.part() == take_over_part::power_cycle)
                     ++power_cycles;
                 r.wire.pass(microseconds(100));
                 CHECK(magnitude(r.model.left().speed) <= wanted);

@@ -55,7 +55,7 @@ struct rig {
         const std::uint64_t until = wire.time_us() + std::uint64_t{ms} * 1000u;
         while (wire.time_us() < until) turn();
     }
-    template <class Wanted> routine_status command(const Wanted& wanted) {
+    template <class Wanted> command_status command(const Wanted& wanted) {
         REQUIRE(lift.begin(wanted) == errc::ok);
         while (!lift.is_idle()) turn();
         return lift.last();

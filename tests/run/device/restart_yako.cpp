@@ -205,7 +205,7 @@ TEST_CASE("G21, G35: a restart during a save shows, but from the read of its mar
         const bool is_cleared = held(a) == 0;
         a.model.power_cycle();
         while (!a.drive.is_idle()) turn();
-        const routine_status next = a.drive.run(enable{});
+        const command_status next = a.drive.run(enable{});
         if (!next) {
             ++shown;
             CHECK(a.drive.state() == drive_state::needs_init);

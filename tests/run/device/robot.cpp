@@ -354,20 +354,20 @@ TEST_CASE("G43: wheels at rest near zero raise a suspicion only if a command may
         bool may_move;
     };
     const auto& known = enabled_at_1_r_per_min;
-    const prepared_command turn = velocity{60 * r_per_min, 60 * r_per_min}.plan(known);
-    const prepared_command stand = velocity{0 * r_per_min, 0 * r_per_min}.plan(known);
-    const prepared_command stop = plan(servobus::halt{}, known);
-    const prepared_command off = plan(servobus::disable{}, known);
-    const prepared_command on = plan(servobus::enable{}, known);
-    const prepared_command look = plan(servobus::init{}, known);
-    const prepared_command read = plan(servobus::read_feedback{}, known);
+    const prepared_command turn = velocity{60 * r_per_min, 60 * r_per_min}.prepare(known);
+    const prepared_command stand = velocity{0 * r_per_min, 0 * r_per_min}.prepare(known);
+    const prepared_command stop = prepare(servobus::halt{}, known);
+    const prepared_command off = prepare(servobus::disable{}, known);
+    const prepared_command on = prepare(servobus::enable{}, known);
+    const prepared_command look = prepare(servobus::init{}, known);
+    const prepared_command read = prepare(servobus::read_feedback{}, known);
     const scene scenes[] = {{turn, true, true},   {turn, false, true}, {stand, true, false},
                             {stand, false, true}, {stop, true, false}, {stop, false, true},
                             {off, true, false},   {off, false, true},  {on, true, false},
                             {on, false, true},    {look, true, false}, {read, true, true},
                             {read, false, true}};
     const words there = wheels_at(3, -3);
-    const routine_status lost{status::sent(errc::timeout)};
+    const command_status lost{status::sent(errc::timeout)};
     for (const scene& s : scenes) {
         CAPTURE(&s - scenes);
         robot_model m;
@@ -405,12 +405,12 @@ TEST_CASE("G43: the mode is no witness while an enable or a save changes it") {
     using namespace zlac8015d;
     const auto& known = enabled_at_1_r_per_min;
     CHECK(robot_model::witness(known, {.steps = no_steps}).look != nullptr);
-    CHECK(robot_model::witness(known, plan(servobus::read_feedback{}, known)).look != nullptr);
-    CHECK(robot_model::witness(known, plan(servobus::enable{}, known)).look == nullptr);
+    CHECK(robot_model::witness(known, prepare(servobus::read_feedback{}, known)).look != nullptr);
+    CHECK(robot_model::witness(known, prepare(servobus::enable{}, known)).look == nullptr);
     cached_settings disabled = known;
     disabled.state = drive_state::disabled;
-    CHECK(robot_model::witness(disabled, plan(servobus::enable{}, disabled)).look == nullptr);
-    CHECK(robot_model::witness(disabled, save{}.plan(disabled)).look == nullptr);
+    CHECK(robot_model::witness(disabled, prepare(servobus::enable{}, disabled)).look == nullptr);
+    CHECK(robot_model::witness(disabled, save{}.prepare(disabled)).look == nullptr);
     CHECK(robot_model::witness(disabled, {.steps = no_steps}).look != nullptr);
 }
 
@@ -421,10 +421,10 @@ TEST_CASE("G43: only the twist that the drive has acknowledged last is no new co
     endings e;
     const auto is_new_after = [&](std::int32_t left, std::int32_t right, bool is_done) {
         m.note_feedback();
-        prepared_command c = velocity{left * r_per_min, right * r_per_min}.plan(enabled_at_1_r_per_min);
+        prepared_command c = velocity{left * r_per_min, right * r_per_min}.prepare(enabled_at_1_r_per_min);
         REQUIRE(c.refusal == errc::ok);
         m.begin(c);
-        ending how = is_done ? e.done() : e.failed(routine_status{status::sent(errc::timeout)});
+        ending how = is_done ? e.done() : e.failed(command_status{status::sent(errc::timeout)});
         how.steps = c.steps;
         m.end(c, how);
         return m.is_new();
@@ -457,7 +457,7 @@ int fastest_known(const differential& on) {
         const words second =
             wheels_at(way_of(on.base().left()), way_of(on.base().right()), 10 * speed, 10 * speed);
         m.note({.block = 0, .words = first.data(), .taken = instant{1000}, .epoch = 1}, known);
-        zlac8015d::robot_command c = zlac8015d::velocity{speed * r_per_min, speed * r_per_min}.plan(known);
+        zlac8015d::robot_command c = zlac8015d::velocity{speed * r_per_min, speed * r_per_min}.prepare(known);
         endings e;
         REQUIRE(m.admit(c, milliseconds(100)) == errc::ok);
         ending how = e.done();

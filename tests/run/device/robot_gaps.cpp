@@ -391,12 +391,12 @@ struct told_model {
     void drive(const twist& by, bool is_refused = false) {
         std::uint32_t begun = us;
         do {
-            zlac8015d::robot_command c = m.plan(by, instant{begun += 20'000}, known);
+            zlac8015d::robot_command c = m.prepare(by, instant{begun += 20'000}, known);
             REQUIRE(c.refusal == errc::ok);
             REQUIRE(m.admit(c, {}) == errc::ok);
             duration watchdog{};
             response_limits limits{};
-            const routine_status how{status::sent(is_refused ? errc::exception : errc::ok)};
+            const command_status how{status::sent(is_refused ? errc::exception : errc::ok)};
             (void)m.learn(c, {!is_refused, c.steps, how, {}, watchdog, limits}, known);
         } while (m.is_changing());
     }

@@ -45,7 +45,7 @@ TEST_CASE("G15, G29: if the line is lost at any frame of any command, the comman
         std::size_t scenes = 0;
         for (const row& o : command_rows) {
             if (!takes(o)) continue;
-            const auto judge = [](rig& r, const routine_status& got, const sim::c630s&, std::size_t behind) {
+            const auto judge = [](rig& r, const command_status& got, const sim::c630s&, std::size_t behind) {
                 CHECK_FALSE(got);
                 CHECK(got.outcome() != outcome::done);
                 CHECK(r.drive.state() == drive_state::needs_init);
@@ -74,7 +74,7 @@ TEST_CASE("G15, G16, G21: if one frame of any command is hurt, a command that is
         std::size_t scenes = 0;
         for (const row& o : command_rows) {
             if (!takes(o)) continue;
-            const auto judge = [&o](rig& r, const routine_status& got, const sim::c630s& before,
+            const auto judge = [&o](rig& r, const command_status& got, const sim::c630s& before,
                                     std::size_t) {
                 if (got) CHECK(o.is_done(r));
                 const bool fails_anyway = (o.model == factory_drive && present().shows_last_alarm) ||
@@ -152,7 +152,7 @@ TEST_CASE("S5: if the drive restarts after any frame of any command, no cached w
         for (const row& o : command_rows) {
             if (!takes(o)) continue;
             bool may_be_on = false; // an enable may be sent completely after a blink
-            const auto judge = [&](rig& r, const routine_status& got, const sim::c630s& before,
+            const auto judge = [&](rig& r, const command_status& got, const sim::c630s& before,
                                    std::size_t behind) {
                 const bool was_last = r.port.requests.size() == behind;
                 const u16 looked_at = load_word(r.port.requests[behind - 1], 2);
@@ -192,7 +192,7 @@ TEST_CASE("S5: a drive that a halt has enabled again after a restart is switched
     static c630s_interpretation forgets;
     forgets.options.stores_eeprom_off = false;
     now_read = &forgets;
-    const auto judge = [](rig& r, const routine_status&, const sim::c630s&, std::size_t) {
+    const auto judge = [](rig& r, const command_status&, const sim::c630s&, std::size_t) {
         r.port.pass(milliseconds(600));
         (void)r.drive.read();
         const bool is_found = r.drive.state() == drive_state::needs_init;

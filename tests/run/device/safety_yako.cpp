@@ -172,7 +172,7 @@ TEST_CASE_TEMPLATE("G21, S4, S6: if the drive restarts at any frame of any comma
         if (!s.is_ok()) CHECK_FALSE(s.is_moving());
         // The next command detects the restart if that is possible. If it moves, it moves as commanded.
         const std::int64_t before = s.model.view().shaft;
-        const routine_status next = s.drive.run(move_by{10 * pulse, brisk});
+        const command_status next = s.drive.run(move_by{10 * pulse, brisk});
         s.check_beliefs();
         s.run(120);
         const std::int64_t moved = s.model.view().shaft - before;

@@ -167,7 +167,7 @@ TEST_CASE("G16: set ends as unexpected, refused or unknown where the drive does 
         zlac8015d::drive drive{on, 1, unsupervised};
         REQUIRE(drive.run(init{}));
         port.model.odd = left_speed_kp.address;
-        const routine_status got = drive.run(set<left_speed_kp>{600});
+        const command_status got = drive.run(set<left_speed_kp>{600});
         CHECK(got.error() == errc::unexpected_value);
         CHECK(got.outcome() == outcome::unknown);
         CHECK(got.register_address() == left_speed_kp.address);
@@ -179,7 +179,7 @@ TEST_CASE("G16: set ends as unexpected, refused or unknown where the drive does 
         zlac8015d::drive drive{on, 1, unsupervised};
         REQUIRE(drive.run(init{}));
         port.model.refuses = true;
-        const routine_status got = drive.run(set<left_speed_kp>{600});
+        const command_status got = drive.run(set<left_speed_kp>{600});
         CHECK(got.outcome() == outcome::refused);
         CHECK(got.exception() == 3);
         CHECK(drive.state() == drive_state::disabled);
@@ -188,7 +188,7 @@ TEST_CASE("G16: set ends as unexpected, refused or unknown where the drive does 
         rig r;
         REQUIRE(r.drive.run(init{}));
         r.wire.faults().lost_response = 1000;
-        const routine_status got = r.drive.run(set<left_speed_kp>{600});
+        const command_status got = r.drive.run(set<left_speed_kp>{600});
         r.wire.faults() = {};
         CHECK(got.outcome() == outcome::unknown);
         CHECK(r.sent(modbus::write_frame(1, left_speed_kp.address, 600)) == 1); // G15

@@ -84,7 +84,7 @@ template <class S> void reach(S& s, place there) {
     s.fail();
     (void)s.r.drive.read();
 }
-template <class S> routine_status stop(S& s, event how) {
+template <class S> command_status stop(S& s, event how) {
     if (how == event::halt) return s.r.drive.run(halt{});
     if (how == event::quick_stop) return s.r.drive.run(quick_stop{});
     return s.r.drive.run(disable{});
@@ -133,7 +133,7 @@ TEST_CASE_TEMPLATE("each stop in each state: the motor stands, and the state is 
             auto& drive = s.r.drive;
             const drive_state before = drive.state();
             const bool was_enabled = s.r.model.enabled();
-            const routine_status ended = stop(s, how);
+            const command_status ended = stop(s, how);
             if (there != place::unknown) CHECK(ended);
             CHECK(s.stands_still());
             CHECK(drive.state() == state_after<S>(how, before));

@@ -61,7 +61,7 @@ void refuse_each_request(const char* name, const Enable& enabled_by, const Comma
         if (!t.has_happened(sim::mishap::refused)) break;
         const auto [address, registers] = last_request(t);
         REQUIRE(t.finish());
-        const routine_status ended = t.drive().last();
+        const command_status ended = t.drive().last();
         if (ended.error() != errc::exception) continue; // a read that was not the command's own
         const std::string where = std::string{name} + ", request " + std::to_string(r);
         CAPTURE(where);
@@ -99,7 +99,7 @@ TEST_CASE("the register at which a command ended is that of the request which th
 TEST_CASE("a command whose stops get no response ends at the register of one that was sent") {
     simulated::driven_zlac8015d r{};
     r.wire.faults().lost_response = 1000;             // of 1000
-    const routine_status ended = r.drive.run(init{}); // its last stop, 2090h, waits for a response to another
+    const command_status ended = r.drive.run(init{}); // its last stop, 2090h, waits for a response to another
     CHECK(ended.error() == errc::timeout);
     REQUIRE(ended.has_register());
     REQUIRE_FALSE(r.log.frames.empty());
@@ -113,7 +113,7 @@ TEST_CASE("a stop that is refused, while others are done, leaves no register of 
     wire.attach(station);
     line on{wire, modbus::timing_at(115200)};
     zlac8015d::drive wheels{on, 1, unsupervised};
-    const routine_status ended = wheels.run(init{});
+    const command_status ended = wheels.run(init{});
     CHECK(ended.error() == errc::exception);
     CHECK_FALSE(ended.has_register());
 }
@@ -121,8 +121,8 @@ TEST_CASE("a stop that is refused, while others are done, leaves no register of 
 TEST_CASE("a command that is refused before anything is sent, or that is done at once, names no register") {
     sim::trial<winch::subject> t{0};
     CHECK_FALSE(t.run(enable{}).has_register());
-    CHECK_FALSE(routine_status{}.has_register());
-    CHECK_FALSE(routine_status{errc::out_of_range}.has_register());
+    CHECK_FALSE(command_status{}.has_register());
+    CHECK_FALSE(command_status{errc::out_of_range}.has_register());
 }
 
 TEST_CASE("commands and steps have names") {

@@ -61,8 +61,8 @@ static_assert(sizeof(refusal) <= 112);
 // A command of the program's own, without a list of its arguments.
 struct nudge {
     zlac8015d::speed by;
-    constexpr zlac8015d::prepared_command plan(const zlac8015d::cached_settings& known) const {
-        return zlac8015d::velocity{by, by}.plan(known);
+    constexpr zlac8015d::prepared_command prepare(const zlac8015d::cached_settings& known) const {
+        return zlac8015d::velocity{by, by}.prepare(known);
     }
 };
 
@@ -179,7 +179,7 @@ TEST_CASE("why: a YAKO's command names the register that the program must set fi
 
     // The drive is asked for its state before anything else is sent; the program knows it from the last time.
     cached_settings off{.state = disabled, .has_scale = true, .has_profile = true};
-    CHECK(move_by{10 * pulse}.plan(off).refusal == errc::ok);
+    CHECK(move_by{10 * pulse}.prepare(off).refusal == errc::ok);
     CHECK(commands::refusal_of(move_by{10 * pulse}, off).error == errc::wrong_state);
     CHECK(commands::refusal_of(move_by{10 * pulse}, off).states == set_of({enabled}));
     off.state = enabled;

@@ -82,7 +82,7 @@ TEST_CASE("ZLAC8015D: a speed is refused by 2008h, by its count, or by 2088h, an
         if (b.pick.one_in(8)) b.known.host_timeout = 0;
         b.of.judge(hold{l, r}, b.known, {ls.r[0], ls.r[1], ls.r[2], rs.r[0], rs.r[1], rs.r[2]});
         // A clamped speed is never refused for its value.
-        const errc clamped = clamped_velocity{l, r}.plan(b.known).refusal;
+        const errc clamped = clamped_velocity{l, r}.prepare(b.known).refusal;
         CHECK((clamped == errc::ok || clamped == errc::needs_init || clamped == errc::wrong_state));
         const refusal why_not = commands::refusal_of(left_velocity{l}, b.known);
         if (why_not.error == errc::out_of_range) {

@@ -106,9 +106,9 @@ TEST_CASE(
     REQUIRE(r.make_ready());
     const std::size_t frames = r.requests.size();
     const auto refused = [&](const c6::wire_inputs& wanted, errc why, u16 at) {
-        const wiring_status got = r.drive.run(wanted);
+        const command_status got = r.drive.run(wanted);
         CHECK(got.error() == why);
-        CHECK(got.terminal() == at);
+        CHECK(got.register_address() == at);
         CHECK(got.outcome() == outcome::not_sent);
         CHECK(r.requests.size() == frames);
     };
@@ -116,9 +116,9 @@ TEST_CASE(
     refused({.di2 = static_cast<in>(39)}, errc::out_of_range, di(2));
     refused({.di8 = in::servo_on}, errc::out_of_range, di(8));
     // Jog forward is virtual input 10.
-    const wiring_status got = r.drive.run(c6::wire_inputs{.di4 = in::jog_forward});
+    const command_status got = r.drive.run(c6::wire_inputs{.di4 = in::jog_forward});
     CHECK(got.error() == errc::already_assigned);
-    CHECK(got.terminal() == c6::virtual_input_functions[9].address);
+    CHECK(got.register_address() == c6::virtual_input_functions[9].address);
     CHECK(writes_in(r.requests, frames).empty());
     CHECK(r.drive.state() == drive_state::disabled);
 
@@ -138,7 +138,7 @@ TEST_CASE("C630S: outputs likewise, among themselves") {
     CHECK(r.model.stored(dout(1)) == static_cast<u16>(fifth));
     CHECK(r.model.stored(dout(5)) == 0);
     const std::size_t frames = r.requests.size();
-    CHECK(r.drive.run(c6::wire_outputs{.do2 = fifth, .do6 = fifth}).terminal() == dout(6));
+    CHECK(r.drive.run(c6::wire_outputs{.do2 = fifth, .do6 = fifth}).register_address() == dout(6));
     CHECK(r.drive.run(c6::wire_outputs{.do6 = static_cast<c6::output_function>(21)}).error() ==
           errc::out_of_range);
     CHECK(r.requests.size() == frames);
@@ -156,7 +156,7 @@ TEST_CASE(
             REQUIRE(r.make_ready());
             const std::size_t first = r.requests.size();
             const auto step_until_idle = [&](const auto& part) {
-                if (const errc no = r.drive.begin(part); no != errc::ok) return routine_status{no};
+                if (const command_status begun = r.drive.begin(part); !begun) return begun;
                 while (!r.drive.is_idle()) {
                     const std::size_t at = r.requests.size() - first;
                     r.model.refuses = at >= n && at < n + count;
@@ -190,7 +190,7 @@ TEST_CASE(
             const std::uint32_t struck = r.wire.struck();
             const auto has_struck = [&] { return r.model.refused != 0 || r.wire.struck() != struck; };
             const auto step_until_idle = [&](const auto& part) {
-                if (const errc no = r.drive.begin(part); no != errc::ok) return routine_status{no};
+                if (const command_status begun = r.drive.begin(part); !begun) return begun;
                 while (!r.drive.is_idle()) {
                     const bool is_now = r.requests.size() == first + n && !has_struck();
                     r.model.refuses = is_now && !is_lost;
@@ -199,7 +199,7 @@ TEST_CASE(
                 }
                 return r.drive.last();
             };
-            const wiring_status got =
+            const command_status got =
                 c6::wire_inputs{.di1 = in::home_switch}.run_by(r.drive, step_until_idle);
             r.model.refuses = false;
             r.wire.faults() = {};
@@ -247,30 +247,31 @@ TEST_CASE("YAKO: the input that has a function gives it away; save keeps it") {
     REQUIRE(a.drive.run(ya::wire_inputs{.x4 = input_function::home}));
     CHECK(writes_in(a.requests, again).empty());
     const std::size_t frames = a.requests.size();
-    const wiring_status twice =
+    const command_status twice =
         a.drive.run(ya::wire_inputs{.x0 = input_function::stop, .x6 = input_function::stop});
     CHECK(twice.error() == errc::bad_argument);
-    CHECK(twice.terminal() == 0x0047);
-    CHECK(a.drive.run(ya::wire_inputs{.x5 = static_cast<input_function>(19)}).terminal() == 0x0046);
+    CHECK(twice.register_address() == 0x0047);
+    CHECK(a.drive.run(ya::wire_inputs{.x5 = static_cast<input_function>(19)}).register_address() == 0x0046);
     CHECK(a.requests.size() == frames);
     REQUIRE(
         a.drive.run(ya::wire_outputs{.y0 = ya::output_function::brake, .y2 = ya::output_function::brake}));
     CHECK(a.model.peek(0x004C) == 5);
     CHECK(a.model.peek(0x004D) == 0);
     CHECK(a.model.peek(0x004E) == 5);
-    CHECK(a.drive.run(ya::wire_outputs{.y1 = static_cast<ya::output_function>(7)}).terminal() == 0x004D);
+    CHECK(a.drive.run(ya::wire_outputs{.y1 = static_cast<ya::output_function>(7)}).register_address() ==
+          0x004D);
 
     // The drive refuses the second write.
     const ya::wire_inputs wanted{.x0 = input_function::stop, .x1 = input_function::motor_free};
     std::size_t parts = 0;
-    const wiring_status cut = wanted.run_by(a.drive, [&](const auto& part) {
+    const command_status cut = wanted.run_by(a.drive, [&](const auto& part) {
         a.model.refuses = ++parts == 3; // after the look and the first input
         return a.drive.run(part);
     });
     a.model.refuses = false;
     CHECK(cut.outcome() == outcome::refused);
-    CHECK(cut.status().exception() == 4);
-    CHECK(cut.terminal() == 0x0042);
+    CHECK(cut.exception() == 4);
+    CHECK(cut.register_address() == 0x0042);
     CHECK(a.model.peek(0x0041) == 5);
 
     simulated::closed_axis c;
@@ -281,9 +282,9 @@ TEST_CASE("YAKO: the input that has a function gives it away; save keeps it") {
     for (const ya::wire_inputs& beyond :
          {ya::wire_inputs{.x4 = input_function::home},
           ya::wire_inputs{.x0 = input_function::stop, .x4 = input_function::home}}) {
-        const wiring_status none = c.drive.run(beyond);
+        const command_status none = c.drive.run(beyond);
         CHECK(none.error() == errc::bad_argument);
-        CHECK(none.terminal() == 0x0045);
+        CHECK(none.register_address() == 0x0045);
     }
     CHECK(c.requests.size() == nothing);
     REQUIRE(c.drive.run(ya::wire_inputs{.x3 = input_function::home}));
@@ -306,13 +307,15 @@ TEST_CASE("ZLAC8015D: inputs and outputs are set while disabled, those that are 
         zl::wire_outputs{.y0 = zl::output_function::alarm, .y1 = zl::output_function::in_position}));
     CHECK(r.model.peek(0x201C) == 1);
     CHECK(r.model.peek(0x201D) == 3);
-    const wiring_status wrong = r.drive.run(zl::wire_outputs{.y1 = static_cast<zl::output_function>(4)});
+    const command_status wrong = r.drive.run(zl::wire_outputs{.y1 = static_cast<zl::output_function>(4)});
     CHECK(wrong.error() == errc::out_of_range);
-    CHECK(wrong.terminal() == 0x201D);
+    CHECK(wrong.register_address() == 0x201D);
     const std::size_t frames = r.log.frames.size();
     const auto none = static_cast<zl::input_function>(10);
-    CHECK(r.drive.run(zl::wire_inputs{.x0 = none, .x1 = zl::input_function::undefined}).terminal() == 0x2017);
-    CHECK(r.drive.run(zl::wire_outputs{.y0 = static_cast<zl::output_function>(4)}).terminal() == 0x201C);
+    CHECK(r.drive.run(zl::wire_inputs{.x0 = none, .x1 = zl::input_function::undefined}).register_address() ==
+          0x2017);
+    CHECK(r.drive.run(zl::wire_outputs{.y0 = static_cast<zl::output_function>(4)}).register_address() ==
+          0x201C);
     CHECK(r.log.frames.size() == frames);
 }
 

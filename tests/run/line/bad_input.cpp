@@ -102,7 +102,7 @@ using stepped_two = stepped_read<test_client, fixture::time, fixture::state>; //
 using written_one = stepped_write<test_client, fixture::time>;
 using written_two = stepped_write<test_client, fixture::position>;
 
-template <class Call> errc begin(Call& call) {
+template <class Call> status begin(Call& call) {
     if constexpr (requires { call.value(); }) return call.begin();
     if constexpr (!requires { call.value(); }) return call.begin(500);
 }

@@ -263,7 +263,7 @@ struct rig {
     }
     rig(const rig&) = delete;
     ~rig() { kernel = {}; }
-    errc open_port(const serial_settings& wanted = {}) { return port.open(wire.path(), wanted); }
+    status open_port(const serial_settings& wanted = {}) { return port.open(wire.path(), wanted); }
     bool has_sent_after(std::uint32_t us) {
         kernel.time_us += us;
         return port.sent();

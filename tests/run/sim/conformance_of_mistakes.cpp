@@ -36,7 +36,7 @@ template <class Model, class Line> class planted : public facade<Model, Line> {
         return winch::feedback::from_words(this->image());
     }
     result<winch::feedback> read() {
-        const routine_status r = base::run(read_feedback{});
+        const command_status r = base::run(read_feedback{});
         if (!r) return r.status;
         return winch::feedback::from_words(this->image());
     }
@@ -140,23 +140,23 @@ template <class Model, class Settings> struct planned_otherwise : winch::model {
     }
 };
 struct no_stop_settings : winch::cached_settings {};
-constexpr prepared_command plan(disable, const no_stop_settings&) {
+constexpr prepared_command prepare(disable, const no_stop_settings&) {
     return {.steps = routines::disable, .then = winch::effect::disabled};
 }
 struct disable_is_no_stop : planned_otherwise<disable_is_no_stop, no_stop_settings> {};
 
 struct hasty_settings : winch::cached_settings {};
-constexpr prepared_command plan(read_feedback, const hasty_settings&) {
+constexpr prepared_command prepare(read_feedback, const hasty_settings&) {
     return {.steps = routines::feedback, .then = winch::effect::seen};
 }
 struct reads_before_init : planned_otherwise<reads_before_init, hasty_settings> {};
 
 constexpr step switch_off_once[] = {steps::write<winch::control_word>(winch::control_code::off)};
 struct blind_settings : winch::cached_settings {};
-constexpr prepared_command plan(disable, const blind_settings&) {
+constexpr prepared_command prepare(disable, const blind_settings&) {
     return {.steps = switch_off_once, .then = winch::effect::disabled, .stop = stop_priority::disable};
 }
-constexpr prepared_command plan(halt, const blind_settings&) {
+constexpr prepared_command prepare(halt, const blind_settings&) {
     return {.steps = routines::same_session, .stop = stop_priority::halt};
 }
 struct halts_nothing : planned_otherwise<halts_nothing, blind_settings> {};
@@ -166,10 +166,10 @@ constexpr step off_once[] = {steps::write<winch::control_word>(winch::control_co
 constexpr step hold_once[] = {steps::write<winch::control_word>(winch::control_code::hold),
                               routines::until_still};
 struct once_settings : winch::cached_settings {};
-constexpr prepared_command plan(disable, const once_settings&) {
+constexpr prepared_command prepare(disable, const once_settings&) {
     return {.steps = off_once, .then = winch::effect::disabled, .stop = stop_priority::disable};
 }
-constexpr prepared_command plan(halt, const once_settings& known) {
+constexpr prepared_command prepare(halt, const once_settings& known) {
     const bool is_held = known.state == drive_state::enabled;
     return {.steps = is_held ? hold_once : off_once, .stop = stop_priority::halt};
 }
@@ -177,7 +177,7 @@ struct stops_once : planned_otherwise<stops_once, once_settings> {};
 
 constexpr step clear_only[] = {steps::write<winch::control_word>(winch::control_code::clear_fault)};
 struct trusting_settings : winch::cached_settings {};
-constexpr prepared_command plan(fault_reset, const trusting_settings& known) {
+constexpr prepared_command prepare(fault_reset, const trusting_settings& known) {
     return {.steps = clear_only,
             .then = winch::effect::disabled,
             .refusal = known.state == drive_state::needs_init ? errc::needs_init : errc::ok};
@@ -186,7 +186,7 @@ struct resets_in_vain : planned_otherwise<resets_in_vain, trusting_settings> {};
 
 constexpr step energise_only[] = {steps::write<winch::control_word>(winch::control_code::hold)};
 struct bold_settings : winch::cached_settings {};
-constexpr prepared_command plan(init, const bold_settings&) {
+constexpr prepared_command prepare(init, const bold_settings&) {
     return {.steps = energise_only, .then = winch::effect::initialised};
 }
 struct init_energises : planned_otherwise<init_energises, bold_settings> {};

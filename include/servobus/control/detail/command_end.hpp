@@ -27,7 +27,7 @@ template <class Model> class command_end {
     /// Ends the command, and puts the steps that follow into it; none if nothing follows.
     [[gnu::always_inline]] constexpr void conclude(response_limits& limits, std::uint16_t misses_when_loaded,
                                                    instant now) {
-        const routine_status& r = slot_.run().result();
+        const command_status& r = slot_.run().result();
         const bool was_stop = slot_.is_stopping();
         if (was_stop) known_.motion().note_cause(stop_cause::command);
         if (slot_.is_setting_origin()) known_.feedback().forget_positions();
@@ -37,7 +37,7 @@ template <class Model> class command_end {
         if constexpr (!polling<Model>::has_watchdog)
             note_end_of_motion(r, was_stop || kind == command_kind::take_over);
         const owner by = slot_.end(now);
-        const bool is_judged = !r && done[r.step].what == step::kind::confirm;
+        const bool is_judged = !r && done[r.step()].what == step::kind::confirm;
         const bool moves = Model::kinds.has_motion() && Model::kinds.moves(slot_.command().then);
         slot_.command().steps = no_steps; // the model puts in what follows
         const bool is_done = static_cast<bool>(r);
@@ -75,7 +75,7 @@ template <class Model> class command_end {
         known_.motion().set_cause(stop_cause::unknown);
     }
     // `stops`: a stop, or a take-over, which begins with one. A wait sends no write, and waits for a state.
-    constexpr void note_end_of_motion(const routine_status& r, bool stops) {
+    constexpr void note_end_of_motion(const command_status& r, bool stops) {
         if (stops && r.outcome() != outcome::not_sent) known_.unwatched().note_stop_sent();
         bool is_at_rest = stops;
         for (const step& s : slot_.command().steps) {

@@ -8,9 +8,9 @@
 #include <cstdint>
 #include <type_traits>
 
+#include <servobus/control/command_status.hpp>
 #include <servobus/control/detail/routine_run.hpp>
 #include <servobus/control/detail/supervisors.hpp>
-#include <servobus/control/routine_status.hpp>
 #include <servobus/control/states.hpp>
 #include <servobus/control/step.hpp>
 
@@ -84,7 +84,7 @@ template <class Model> class command_slot {
     }
     /// The routine has ended. Returns whose it was.
     [[gnu::noinline]] constexpr owner end(instant now) {
-        const routine_status& r = run_.result();
+        const command_status& r = run_.result();
         const owner by = owner_;
         if (by == owner::application || (by == owner::follow_up && !r && (is_stopping() || report_)))
             report_ = r;
@@ -137,7 +137,7 @@ template <class Model> class command_slot {
         stop_tries_ = 0;
         if (!is_idle()) {
             ++number_;
-            report_ = routine_status{status::sent(errc::command_timeout)};
+            report_ = command_status{status::sent(errc::command_timeout)};
         }
         return supervisors_.is_stop_open() ? supervisors_.urgent_left() : steps::urgent_frames;
     }
@@ -150,8 +150,8 @@ template <class Model> class command_slot {
 
     // --- What the application is told
 
-    constexpr const routine_status& report() const { return report_; }
-    constexpr void set_report(const routine_status& r) { report_ = r; }
+    constexpr const command_status& report() const { return report_; }
+    constexpr void set_report(const command_status& r) { report_ = r; }
     constexpr std::uint8_t number() const { return number_; }
     constexpr void count_command() {
         ++number_;
@@ -165,7 +165,7 @@ template <class Model> class command_slot {
     }
 
   private:
-    constexpr void note_stop(const routine_status& r, instant now) {
+    constexpr void note_stop(const command_status& r, instant now) {
         if (r && command_.stop >= stop_priority::disable) supervisors_.end_watch();
         // The halt of the command timeout ends no disable that is open.
         if (r && (command_.stop >= supervisors_.open_priority() || owner_ != owner::supervisor))
@@ -190,7 +190,7 @@ template <class Model> class command_slot {
     std::uint8_t stop_tries_ = 0;
     prepared_command command_ = none();
     detail::supervisors supervisors_;
-    routine_status report_{};
+    command_status report_{};
     routine_run run_{};
 };
 

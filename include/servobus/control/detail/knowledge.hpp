@@ -8,11 +8,11 @@
 #include <cstddef>
 #include <cstdint>
 
+#include <servobus/control/command_status.hpp>
 #include <servobus/control/detail/drive_feedback.hpp>
 #include <servobus/control/detail/drive_link.hpp>
 #include <servobus/control/detail/last_motion.hpp>
 #include <servobus/control/detail/unwatched_motion.hpp>
-#include <servobus/control/routine_status.hpp>
 #include <servobus/control/states.hpp>
 #include <servobus/control/step.hpp>
 
@@ -63,7 +63,7 @@ template <class Model> class knowledge {
     }
     /// Invalidates the settings if a command's failure leaves them uncertain: an error of the transport or of a
     /// response. `is_judged`: the error is the model's judgement of an image.
-    constexpr void note_failure(const routine_status& r, bool is_judged) {
+    constexpr void note_failure(const command_status& r, bool is_judged) {
         if (is_uncertain(r, is_judged)) invalidate();
     }
 
@@ -165,9 +165,9 @@ template <class Model> class knowledge {
         r.between = since(slower.taken(block), began);
         return model_.has_fallen(r, settings_);
     }
-    static constexpr bool is_uncertain(const routine_status& r, bool is_judged) {
+    static constexpr bool is_uncertain(const command_status& r, bool is_judged) {
         if (r.error() == errc::faulted || r.error() == errc::not_executed) return false;
-        if (r.error() == errc::exception) return r.has_changed;
+        if (r.error() == errc::exception) return r.has_changed();
         const bool is_transport = r.error() >= errc::line_busy && r.error() <= errc::bad_gap;
         return is_transport || r.error() == errc::needs_init ||
                (r.outcome() == outcome::unknown && !is_judged);

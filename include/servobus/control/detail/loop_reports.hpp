@@ -32,8 +32,9 @@ class loop_reports {
 
   private:
     constexpr bool is_repeated(const loop_report& ended) const {
-        return ended.what == failed_.what && ended.at == failed_.at && ended.setting == failed_.setting &&
-               ended.how.status == failed_.how.status;
+        return ended.what == failed_.what && ended.how.part() == failed_.how.part() &&
+               ended.how.setting() == failed_.how.setting() &&
+               servobus::status{ended.how} == servobus::status{failed_.how};
     }
 
     loop_report pending_{};

@@ -10,16 +10,15 @@
 #include <cstddef>
 #include <cstdint>
 
-#include <servobus/control/routine_status.hpp>
+#include <servobus/control/command_status.hpp>
 #include <servobus/control/states.hpp>
-#include <servobus/control/take_over_status.hpp>
 
 namespace servobus::detail {
 
 /// What a take-over has done and found.
 class take_over_progress {
   public:
-    /// `size`: of the list of settings, 0..254.
+    /// `size`: of the list of settings.
     constexpr take_over_progress(bool resets, std::size_t size)
         : resets_{resets}, size_{static_cast<std::uint8_t>(size)} {}
 
@@ -29,13 +28,13 @@ class take_over_progress {
     /// The place of the setting that is due in the list.
     constexpr std::size_t index() const { return index_; }
     /// How it ended.
-    constexpr take_over_status status() const {
+    constexpr command_status status() const {
         const unsigned number = part_ == take_over_part::setting ? index_ + 1u : 0u;
-        return {part_, static_cast<std::uint8_t>(number), how_};
+        return how_.in_part(part_, number);
     }
 
     /// The part that was due has ended so, and the drive is in the state `found`.
-    constexpr void conclude(const routine_status& how, drive_state found) {
+    constexpr void conclude(const command_status& how, drive_state found) {
         using enum take_over_part;
         how_ = how;
         if (!how) return end();
@@ -66,12 +65,12 @@ class take_over_progress {
     }
     constexpr void fail(take_over_part at, errc why) {
         part_ = at;
-        how_ = routine_status{why};
+        how_ = why;
         end();
     }
     constexpr void end() { is_over_ = true; }
 
-    routine_status how_{};
+    command_status how_{};
     take_over_part part_ = take_over_part::init;
     bool resets_;
     bool looks_for_fault_ = false; // by a reading before the settings

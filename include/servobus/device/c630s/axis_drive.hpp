@@ -85,7 +85,7 @@ class axis_model : public model {
             known.state = drive_state::needs_init; // until the units are known
             c = c630s::prepared_command{.steps = routines::reference_units, .then = effect::taken_over};
         } else if (was.starts) {
-            c = start_segment{own_segment}.plan(known);
+            c = start_segment{own_segment}.prepare(known);
             c.rest = was.rest;
             c.carries = was.carries;
             if (c.refusal != errc::ok) c.steps = no_steps;
@@ -142,7 +142,7 @@ constexpr axis_command plan_on_axis(const axis_segment& wanted, const axis_place
     const auto to = detail::speed_on(on, wanted.at);
     const std::int32_t size = on.is_mirrored() ? -to.value : to.value;
     axis_command c =
-        segment{wanted.number, distance{counts.value_or(0)}, speed{size}, wanted.ramp, wanted.wait}.plan(
+        segment{wanted.number, distance{counts.value_or(0)}, speed{size}, wanted.ramp, wanted.wait}.prepare(
             known);
     c.refusal = detail::first_error(c.refusal, counts.error(), to.error);
     return c;
@@ -159,8 +159,8 @@ constexpr axis_command move_on_axis(const result<std::int32_t>& counts, const ax
     const bool is_uneven = by.acceleration != by.deceleration || by.start.count() != 0;
     axis_command c = segment{
         axis_model::own_segment, distance{counts.value_or(0)}, speed{size}, by.acceleration,
-        time{0}}.plan(known);
-    c.refusal = first_error(start_segment{axis_model::own_segment}.plan(known).refusal,
+        time{0}}.prepare(known);
+    c.refusal = first_error(start_segment{axis_model::own_segment}.prepare(known).refusal,
                             known.ways == ways ? errc::ok : errc::wrong_state,
                             !by.is_whole() || is_uneven ? errc::bad_argument : errc::ok, counts.error(),
                             first_error(to.error, c.refusal));
@@ -191,7 +191,7 @@ constexpr axis_command plan_on_axis(const travel_by& wanted, const axis_place& a
 constexpr axis_command plan_on_axis(const travel_at& wanted, const axis_place& at,
                                     const cached_settings& known) {
     const auto to = detail::speed_on(at.geometry(), wanted.speed);
-    axis_command c = velocity{speed{to.value}}.plan(known);
+    axis_command c = velocity{speed{to.value}}.prepare(known);
     c.refusal = detail::first_error(to.error, c.refusal);
     return c;
 }

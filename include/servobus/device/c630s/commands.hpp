@@ -25,7 +25,7 @@ namespace servobus::c630s {
 ///
 /// A drive whose response delay (P0C-25) is longer than the node's response limit needs a node with a longer
 /// one. After `init` P0C-25 is added to that limit; on a bus up to the limit of its plan.
-constexpr prepared_command plan(init, const cached_settings&) {
+constexpr prepared_command prepare(init, const cached_settings&) {
     return {.steps = routines::init, .then = effect::initialised};
 }
 
@@ -43,7 +43,7 @@ constexpr prepared_command plan(init, const cached_settings&) {
 /// Registers that are right already are not written; less than 100 are. If one was written the state is
 /// `needs_power_cycle`: switch the drive off and on, then `init`.
 struct set_up {
-    constexpr prepared_command plan(const cached_settings& cached) const {
+    constexpr prepared_command prepare(const cached_settings& cached) const {
         return {.steps = routines::look_at_block,
                 .then = effect::examined,
                 .refusal = detail::needs_servo_off(cached),
@@ -81,7 +81,7 @@ struct enable_in {
     position_source positions = position_source::segments;
     segment_mode run_segments = segment_mode::by_input; ///< P11-00
 
-    constexpr prepared_command plan(const cached_settings& cached) const {
+    constexpr prepared_command prepare(const cached_settings& cached) const {
         const auto from = static_cast<std::uint16_t>(positions);
         routine steps = no_steps;
         switch (mode) {
@@ -98,8 +98,8 @@ struct enable_in {
 };
 
 /// In speed mode; `enable_in` names another.
-constexpr prepared_command plan(enable, const cached_settings& cached) {
-    return enable_in{control_mode::speed}.plan(cached);
+constexpr prepared_command prepare(enable, const cached_settings& cached) {
+    return enable_in{control_mode::speed}.prepare(cached);
 }
 
 /// Energises the motor in speed mode with the segments of P12 as its command: **it runs at once**, with
@@ -111,7 +111,7 @@ struct run_speed_segments {
     segment_number from = 1;
     segment_number last = 16;
 
-    constexpr prepared_command plan(const cached_settings& cached) const {
+    constexpr prepared_command prepare(const cached_settings& cached) const {
         const bool by_input = run == segment_mode::by_input;
         const std::uint16_t chosen = by_input ? terminal::for_segment(from.index()) : std::uint16_t{0};
         prepared_command o =
@@ -153,7 +153,7 @@ constexpr prepared_command stop_sparing() {
 /// then; with factory settings the motor coasts (P02-05). It may replace a quick stop that is waiting. After `init` its
 /// first frame stops the motor by zero targets, or by P0D-05 in position control and where segments of speeds run. The
 /// second reads P31-00, whose marker the third, servo off, would otherwise set again after a restart.
-constexpr prepared_command plan(disable, const cached_settings& cached) {
+constexpr prepared_command prepare(disable, const cached_settings& cached) {
     return {.steps = detail::servo_off_by(cached),
             .arguments = {0, detail::inputs_when_off(cached)},
             .then = effect::disabled,
@@ -163,7 +163,7 @@ constexpr prepared_command plan(disable, const cached_settings& cached) {
 /// Writes zero targets and ends a jog; the motor stays energised. Position control and speed segments have no
 /// halt: use `quick_stop` or `disable`. If nothing is known of the drive it is stopped by every means, and the
 /// servo is switched off.
-constexpr prepared_command plan(halt, const cached_settings& cached) {
+constexpr prepared_command prepare(halt, const cached_settings& cached) {
     prepared_command o{.steps = routines::halt_speed, .then = effect::halted, .stop = stop_priority::halt};
     if (!cached.is_initialised()) {
         o.steps = routines::stop_all;
@@ -185,8 +185,8 @@ constexpr prepared_command plan(halt, const cached_settings& cached) {
 /// its position, as with FunIN.34, is not stated. `disable` and `enable` must follow before the next motion.
 /// While segments run one after the other the servo is switched off after it, since they might continue. A drive
 /// that is known to be disabled is stopped as by `disable`.
-constexpr prepared_command plan(quick_stop, const cached_settings& cached) {
-    if (cached.state == drive_state::disabled) return plan(disable{}, cached);
+constexpr prepared_command prepare(quick_stop, const cached_settings& cached) {
+    if (cached.state == drive_state::disabled) return prepare(disable{}, cached);
     prepared_command o{
         .steps = routines::quick_stop, .then = effect::quick_stopped, .stop = stop_priority::quick_stop};
     if (!cached.runs_by_itself() && cached.is_initialised()) return o;
@@ -200,8 +200,8 @@ constexpr prepared_command plan(quick_stop, const cached_settings& cached) {
 /// Servo off, then P0D-01, in this sequence (section 5.2.4). The servo stays off. Eighteen faults are reset only by
 /// switching the power off (alarms.hpp). Errors: `faulted` if a fault remains, or, before the set-up, a warning;
 /// `wrong_state` in the state `needs_power_cycle`.
-constexpr prepared_command plan(fault_reset, const cached_settings& cached) {
-    prepared_command o = plan(disable{}, cached);
+constexpr prepared_command prepare(fault_reset, const cached_settings& cached) {
+    prepared_command o = prepare(disable{}, cached);
     o.then = effect::disabled_for_reset;
     o.stop = stop_priority::no_stop;
     o.refusal =
@@ -215,7 +215,7 @@ constexpr prepared_command plan(fault_reset, const cached_settings& cached) {
 struct velocity {
     speed target;
 
-    constexpr prepared_command plan(const cached_settings& cached) const {
+    constexpr prepared_command prepare(const cached_settings& cached) const {
         const auto c = detail::count_in<target_speed>(target);
         return {.steps = routines::velocity,
                 .arguments = {cached.inputs, detail::as_word(c.count)},
@@ -249,8 +249,8 @@ class hold {
     }
 
     constexpr speed target() const { return target_; }
-    constexpr prepared_command plan(const cached_settings& cached) const {
-        return velocity{target_}.plan(cached);
+    constexpr prepared_command prepare(const cached_settings& cached) const {
+        return velocity{target_}.prepare(cached);
     }
 
   private:
@@ -262,7 +262,7 @@ class hold {
 struct torque {
     torque_share target;
 
-    constexpr prepared_command plan(const cached_settings& cached) const {
+    constexpr prepared_command prepare(const cached_settings& cached) const {
         const auto c = detail::count_in<target_torque>(target);
         const bool is_within = c.count <= cached.positive_torque && -c.count <= cached.negative_torque;
         return {.steps = routines::torque,
@@ -280,7 +280,7 @@ struct torque {
 struct jog {
     speed at;
 
-    constexpr prepared_command plan(const cached_settings& cached) const {
+    constexpr prepared_command prepare(const cached_settings& cached) const {
         const bool is_reverse = at.count() < 0;
         const auto c = detail::count_in<jog_speed>(is_reverse ? -at : at);
         const std::uint16_t way = is_reverse ? terminal::jog_reverse : terminal::jog_forward;
@@ -297,14 +297,14 @@ struct jog {
 
 /// Reads the status in one frame.
 struct read_status {
-    constexpr prepared_command plan(const cached_settings& cached) const {
+    constexpr prepared_command prepare(const cached_settings& cached) const {
         return {.steps = routines::status, .then = effect::seen, .refusal = detail::needs_init_done(cached)};
     }
 };
 
 /// Reads status, speed, torque, position, deviation and the present alarm in five short frames;
 /// `drive::feedback` has them.
-constexpr prepared_command plan(read_feedback, const cached_settings& cached) {
+constexpr prepared_command prepare(read_feedback, const cached_settings& cached) {
     return {.steps = routines::feedback, .then = effect::seen, .refusal = detail::needs_word_order(cached)};
 }
 

@@ -90,30 +90,30 @@ template <class Line, class Model = model> class basic_drive : public facade<Mod
     /// Reads the status in one frame. A fault while the drive is enabled switches the servo off before this
     /// returns.
     result<status_flags> read_status() {
-        const routine_status r = this->run(c630s::read_status{});
-        if (!r) return r.status;
+        const command_status r = this->run(c630s::read_status{});
+        if (!r) return servobus::status{r};
         return last_feedback().state;
     }
     /// Reads status, speed, torque, position, deviation and alarm in five frames. A fault while the drive is
     /// enabled switches the servo off before this returns.
     result<c630s::feedback> read() {
-        const routine_status r = this->run(read_feedback{});
-        if (!r) return r.status;
+        const command_status r = this->run(read_feedback{});
+        if (!r) return servobus::status{r};
         return last_feedback();
     }
     /// Reads a position of 64 bits, both halves from one frame.
     result<std::int64_t> read(wide_position which) {
         const word_order order = this->cached().word_order;
-        const routine_status r = this->run(read_wide_position{which});
-        if (!r) return r.status;
+        const command_status r = this->run(read_wide_position{which});
+        if (!r) return servobus::status{r};
         return read_wide_position::from_words(this->words(), order);
     }
     /// Reads entry 0 (the present one) to 9 of the fault history. If it fails on entry 9 half-way, the next
     /// `init` asks for a power cycle that is not needed.
     result<fault_entry> fault(unsigned entry) {
         const word_order order = this->cached().word_order;
-        const routine_status r = this->run(read_fault{entry});
-        if (!r) return r.status;
+        const command_status r = this->run(read_fault{entry});
+        if (!r) return servobus::status{r};
         return fault_entry::from_words(this->words(), order);
     }
 

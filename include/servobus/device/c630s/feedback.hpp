@@ -70,7 +70,7 @@ enum class wide_position : std::uint8_t {
 struct read_wide_position {
     wide_position which;
 
-    constexpr prepared_command plan(const cached_settings& cached) const {
+    constexpr prepared_command prepare(const cached_settings& cached) const {
         const routine steps = which == wide_position::mechanical ? routine{routines::mechanical_position}
                               : which == wide_position::encoder  ? routine{routines::encoder_position}
                                                                  : routine{routines::load_position};
@@ -119,7 +119,7 @@ struct fault_entry {
 struct read_fault {
     unsigned entry;
 
-    constexpr prepared_command plan(const cached_settings& cached) const {
+    constexpr prepared_command prepare(const cached_settings& cached) const {
         const bool is_marked = cached.state == drive_state::needs_power_cycle;
         const fault_record after = is_marked ? fault_record::ninth_last : fault_record::current;
         return {.steps = routines::fault_history,

@@ -113,8 +113,8 @@ class model {
     static constexpr prepared_command stop_for(stop_priority priority, const settings& known, bool) {
         if (!known.is_initialised()) return detail::stop_sparing();
         if (priority == stop_priority::disable) return detail::stop_by_all_means(known);
-        const prepared_command c = plan(halt{}, known);
-        return priority == stop_priority::halt && c.refusal == errc::ok ? c : plan(quick_stop{}, known);
+        const prepared_command c = prepare(halt{}, known);
+        return priority == stop_priority::halt && c.refusal == errc::ok ? c : prepare(quick_stop{}, known);
     }
 
     /// A wait needs a move.
@@ -246,17 +246,17 @@ class model {
         return errc::ok;
     }
     // A command has failed at a step of the table `failed`.
-    constexpr void fail(prepared_command& c, routine failed, const routine_status& r, settings& known) {
+    constexpr void fail(prepared_command& c, routine failed, const command_status& r, settings& known) {
         const effect was = c.then;
         const bool is_answer = r.error() != errc::port_lost && r.error() != errc::clock_stopped;
         const bool is_restart = known.state == drive_state::enabled && r.error() == errc::needs_init;
         const bool is_energised =
             kinds[c.then] == command_kind::power && detail::may_have_written<virtual_input_levels>(failed, r);
-        const bool is_homing = was == effect::homed && r.step >= routines::home_step;
+        const bool is_homing = was == effect::homed && r.step() >= routines::home_step;
         // The drive has restarted, or may have: what the stop does up to its servo-off got no response.
         const bool is_cut = switches_off(was) && known.is_marked() &&
                             (!detail::may_have_written<virtual_input_levels>(failed, r) ||
-                             failed[r.step].what == step::kind::write);
+                             failed[r.step()].what == step::kind::write);
         c.then = effect::none;
         if (was == effect::moved && is_started(failed, r)) {
             motion_.forget(); // the target is that of the move before
@@ -284,8 +284,8 @@ class model {
     static constexpr bool switches_off(effect e) {
         return e == effect::stopped || e == effect::disabled || e == effect::disabled_for_reset;
     }
-    static constexpr bool is_started(routine failed, const routine_status& r) {
-        return r.step + routines::steps_from_start >= failed.size();
+    static constexpr bool is_started(routine failed, const command_status& r) {
+        return r.step() + routines::steps_from_start >= failed.size();
     }
     // Taking over and setting up: the drive needs an init until the blocks of the set-up were read too.
     constexpr errc take_over(prepared_command& c, slice<const std::uint16_t> w, settings& known) {

@@ -18,10 +18,13 @@
 namespace servobus::c630s {
 
 /// Where the last move has come to.
-struct arrival {
+struct [[nodiscard]] arrival {
     arrival_state how = arrival_state::none;
     stop_cause cause = stop_cause::unknown; ///< why it `stopped_short`
     distance missing{};                     ///< from the motor's position, as read last, to its target
+
+    /// At rest at its target.
+    constexpr explicit operator bool() const { return how == arrival_state::reached; }
 };
 
 /// `words`: what a routine read.

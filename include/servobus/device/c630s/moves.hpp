@@ -27,7 +27,7 @@ struct segment {
     time ramp{10}; ///< 0..65535 ms
     time wait{10}; ///< after it, 0..10000 ms
 
-    constexpr prepared_command plan(const cached_settings& cached) const {
+    constexpr prepared_command prepare(const cached_settings& cached) const {
         const auto w = detail::count_in<servobus::at<position_segment_displacements, 0>>(way);
         const auto v = detail::count_in<servobus::at<position_segment_speeds, 0>>(at);
         const std::int64_t up = ramp.count();
@@ -51,7 +51,7 @@ struct position_segments {
     segment_remainder remainder = segment_remainder::restart; ///< what a stop left undone does not go on
     std::uint16_t first = 0; ///< in the sequential mode, 0..16; what 0 means is not stated
 
-    constexpr prepared_command plan(const cached_settings& cached) const {
+    constexpr prepared_command prepare(const cached_settings& cached) const {
         return {.steps = routines::position_segments,
                 .arguments = {static_cast<std::uint16_t>(last.number()), detail::as_word(remainder),
                               detail::as_word(position_time_unit::milliseconds), detail::as_word(type),
@@ -81,7 +81,7 @@ constexpr prepared_command start_by(routine steps, const cached_settings& cached
 struct start_segment {
     segment_number number;
 
-    constexpr prepared_command plan(const cached_settings& cached) const {
+    constexpr prepared_command prepare(const cached_settings& cached) const {
         prepared_command o = detail::start_by(routines::start, cached, position_source::segments,
                                               terminal::for_segment(number.index()), terminal::segment_start);
         o.refusal = detail::first_error(o.refusal, number.error(),
@@ -95,7 +95,7 @@ struct start_segment {
 /// it ends is not known to this program: `wait_reached` is refused, and `wait_standstill` has the drive's own
 /// word for it. It counts as a motion without an end, which a command timeout stops.
 struct start_segments {
-    constexpr prepared_command plan(const cached_settings& cached) const {
+    constexpr prepared_command prepare(const cached_settings& cached) const {
         prepared_command o = detail::start_by(routines::start_run, cached, position_source::segments, 0,
                                               terminal::segment_start);
         o.then = effect::runs_segments;
@@ -107,7 +107,7 @@ struct start_segments {
 /// The step that `make_step` makes, P05-05, +-9999 reference units; with the servo off.
 struct step_size {
     distance way;
-    constexpr prepared_command plan(const cached_settings& cached) const {
+    constexpr prepared_command prepare(const cached_settings& cached) const {
         const auto w = detail::count_in<position_step>(way);
         return {.steps = routines::step_size,
                 .arguments = {detail::as_word(w.count)},
@@ -118,7 +118,7 @@ struct step_size {
 /// Position mode with `position_source::step`: one step of P05-05, by the edge of FunIN.20. As
 /// `start_segment`.
 struct make_step {
-    constexpr prepared_command plan(const cached_settings& cached) const {
+    constexpr prepared_command prepare(const cached_settings& cached) const {
         return detail::start_by(routines::start_step, cached, position_source::step, 0, terminal::step_start);
     }
 };
@@ -127,7 +127,7 @@ struct make_step {
 /// and the motor is at standstill; then the position is read. `drive::arrival()` says how the move has ended. Errors:
 /// `stopped_short`; `faulted`; `not_reached` after the limit; `wrong_state` if no move with a known end was
 /// started.
-constexpr prepared_command plan(const wait_reached& wanted, const cached_settings& cached) {
+constexpr prepared_command prepare(const wait_reached& wanted, const cached_settings& cached) {
     return {.steps = routines::wait_reached,
             .then = effect::arrived,
             .refusal = detail::needs_init_done(cached),
@@ -136,7 +136,7 @@ constexpr prepared_command plan(const wait_reached& wanted, const cached_setting
 
 /// Waits until the motor is at standstill; in position control as `wait_reached`, also for a run of several segments,
 /// whose end is the drive's own word (COIN). Errors: `not_reached`; those of `wait_reached`.
-constexpr prepared_command plan(const wait_standstill& wanted, const cached_settings& cached) {
+constexpr prepared_command prepare(const wait_standstill& wanted, const cached_settings& cached) {
     const bool is_moved = cached.state == drive_state::enabled && cached.mode == control_mode::position;
     return {.steps = is_moved ? routine{routines::wait_reached} : routine{routines::stand_still},
             .then = is_moved ? effect::stood : effect::none,
@@ -152,7 +152,7 @@ struct homing_by {
     time ramp{1000};                   ///< 0..1000 ms
     std::uint16_t time_limit = 10'000; ///< in the unit of P05-61, presumably ms
 
-    constexpr prepared_command plan(const cached_settings& cached) const {
+    constexpr prepared_command prepare(const cached_settings& cached) const {
         const auto f = detail::count_in<homing_high_speed>(fast);
         const auto s = detail::count_in<homing_low_speed>(slow);
         const auto r = detail::count_in<homing_acceleration_time>(ramp);
@@ -195,7 +195,7 @@ constexpr void begin_homing(prepared_command& c, slice<const std::uint16_t> word
 /// `not_reached`, as Er.601 also ends.
 struct home {
     time within;
-    constexpr prepared_command plan(const cached_settings& cached) const {
+    constexpr prepared_command prepare(const cached_settings& cached) const {
         return detail::home_by(c630s::homing::start, within, cached);
     }
 };
@@ -204,14 +204,14 @@ struct home {
 /// ends as `not_reached`.
 struct home_electrically {
     time within;
-    constexpr prepared_command plan(const cached_settings& cached) const {
+    constexpr prepared_command prepare(const cached_settings& cached) const {
         return detail::home_by(c630s::homing::start_electrical, within, cached);
     }
 };
 
 /// The present position is home (P05-30 = 6), at standstill. How the drive confirms it is not stated.
 struct set_home {
-    constexpr prepared_command plan(const cached_settings& cached) const {
+    constexpr prepared_command prepare(const cached_settings& cached) const {
         return {.steps = routines::set_home,
                 .arguments = {cached.inputs},
                 .then = effect::home_set,
@@ -223,7 +223,7 @@ struct set_home {
 struct select_speed_segment {
     segment_number number;
 
-    constexpr prepared_command plan(const cached_settings& cached) const {
+    constexpr prepared_command prepare(const cached_settings& cached) const {
         const errc state = detail::needs_enabled(cached);
         const auto next = static_cast<std::uint16_t>(terminal::servo_on | terminal::marker |
                                                      terminal::for_segment(number.index()));

@@ -21,7 +21,7 @@ namespace servobus::c630s {
 struct ramps {
     time acceleration;
     time deceleration;
-    constexpr prepared_command plan(const cached_settings& cached) const {
+    constexpr prepared_command prepare(const cached_settings& cached) const {
         return detail::set_pair<acceleration_time>(routines::ramps, acceleration, deceleration, cached);
     }
 };
@@ -31,7 +31,7 @@ struct ramps {
 struct torque_limits {
     torque_share positive;
     torque_share negative;
-    constexpr prepared_command plan(const cached_settings& cached) const {
+    constexpr prepared_command prepare(const cached_settings& cached) const {
         prepared_command o = detail::set_pair<positive_internal_torque_limit>(routines::torque_limits,
                                                                               positive, negative, cached);
         o.then = effect::torque_limited;
@@ -44,7 +44,7 @@ struct torque_limits {
 struct torque_speed_limits {
     speed forward;
     speed reverse;
-    constexpr prepared_command plan(const cached_settings& cached) const {
+    constexpr prepared_command prepare(const cached_settings& cached) const {
         return detail::set_pair<forward_speed_limit>(routines::torque_speed_limits, forward, reverse, cached);
     }
 };
@@ -54,7 +54,7 @@ struct top_speeds {
     speed either_way;
     speed forward;
     speed reverse;
-    constexpr prepared_command plan(const cached_settings& cached) const {
+    constexpr prepared_command prepare(const cached_settings& cached) const {
         const auto e = detail::count_in<max_speed>(either_way);
         const auto f = detail::count_in<max_forward_speed>(forward);
         const auto r = detail::count_in<max_reverse_speed>(reverse);
@@ -73,7 +73,7 @@ struct gear {
     std::uint32_t denominator; ///< 1..1073741824
     unsigned which = 1;        ///< 1, or 2, which FunIN.24 chooses
 
-    constexpr prepared_command plan(const cached_settings& cached) const {
+    constexpr prepared_command prepare(const cached_settings& cached) const {
         const word_pair n = split_words(numerator, cached.word_order);
         const word_pair d = split_words(denominator, cached.word_order);
         const std::uint16_t shift = which == 2
@@ -97,7 +97,7 @@ struct speed_segment {
     time run_time;                          ///< 0..6553.5 s in tenths of a second
     segment_ramp ramp = segment_ramp::none; ///< one of `segment_ramp_times`
 
-    constexpr prepared_command plan(const cached_settings& cached) const {
+    constexpr prepared_command prepare(const cached_settings& cached) const {
         const auto v = detail::count_in<servobus::at<speed_segment_speeds, 0>>(at);
         const std::int32_t tenths = run_time.count() / 100;
         const errc inexact = tenths * 100 == run_time.count() ? errc::ok : errc::inexact;
@@ -117,7 +117,7 @@ struct segment_ramp_times {
     time acceleration;
     time deceleration;
 
-    constexpr prepared_command plan(const cached_settings& cached) const {
+    constexpr prepared_command prepare(const cached_settings& cached) const {
         prepared_command o = detail::set_pair<segment_acceleration_time_1>(
             routines::segment_ramp_times, acceleration, deceleration, cached);
         const auto number = static_cast<unsigned>(ramp);
@@ -133,7 +133,7 @@ struct segment_ramp_times {
 /// Er.731, Er.733 and Er.735 of the absolute encoder: P0D-20 = 2, then P0D-01. **The position of the turns is
 /// lost**: home again. Er.733 and Er.735 want the power off and on afterwards.
 struct reset_encoder {
-    constexpr prepared_command plan(const cached_settings& cached) const {
+    constexpr prepared_command prepare(const cached_settings& cached) const {
         const bool is_set_up = cached.state == drive_state::disabled;
         return {.steps = is_set_up ? routine{routines::reset_encoder}
                                    : routine{routines::reset_encoder_before_set_up},
@@ -145,7 +145,7 @@ struct reset_encoder {
 
 /// Forgets the faults that P0B-33 shows, P02-31 = 2.
 struct clear_fault_history {
-    constexpr prepared_command plan(const cached_settings& cached) const {
+    constexpr prepared_command prepare(const cached_settings& cached) const {
         return {.steps = routines::clear_fault_records, .refusal = detail::needs_servo_off(cached)};
     }
 };
@@ -153,7 +153,7 @@ struct clear_fault_history {
 /// Software reset, P0D-00. Nothing is known of the drive afterwards. Whether it counts as a power cycle
 /// for the parameters that want one is not stated.
 struct restart {
-    constexpr prepared_command plan(const cached_settings& cached) const {
+    constexpr prepared_command prepare(const cached_settings& cached) const {
         return {.steps = routines::restart,
                 .then = effect::forgotten,
                 .refusal = detail::needs_servo_off(cached)};
@@ -167,7 +167,7 @@ using servobus::sole_drive_on_the_line;
 /// and wants `init` and `set_up` again. Nothing is known of it afterwards.
 struct factory_reset {
     constexpr explicit factory_reset(sole_drive_on_the_line) {}
-    constexpr prepared_command plan(const cached_settings& cached) const {
+    constexpr prepared_command prepare(const cached_settings& cached) const {
         return {.steps = routines::factory_reset,
                 .then = effect::forgotten,
                 .refusal = detail::needs_servo_off(cached)};
@@ -181,7 +181,7 @@ struct change_address {
     std::uint16_t to; ///< 1..247
 
     constexpr change_address(std::uint16_t address, sole_drive_on_the_line) : to{address} {}
-    constexpr prepared_command plan(const cached_settings& cached) const {
+    constexpr prepared_command prepare(const cached_settings& cached) const {
         return {.steps = routines::change_address,
                 .arguments = {to},
                 .then = effect::forgotten,
@@ -196,7 +196,7 @@ struct change_line {
     baud_rate baud;
     serial_format format = serial_format::n82;
 
-    constexpr prepared_command plan(const cached_settings& cached) const {
+    constexpr prepared_command prepare(const cached_settings& cached) const {
         return {.steps = routines::change_line,
                 .arguments = {detail::as_word(baud), detail::as_word(format)},
                 .then = effect::forgotten,

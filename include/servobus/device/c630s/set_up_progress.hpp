@@ -13,7 +13,7 @@
 
 #include <cstdint>
 
-#include <servobus/control/routine_status.hpp>
+#include <servobus/control/command_status.hpp>
 #include <servobus/core/slice.hpp>
 #include <servobus/device/c630s/prepared_command.hpp>
 #include <servobus/device/c630s/routines.hpp>
@@ -22,8 +22,8 @@ namespace servobus::c630s {
 
 namespace detail {
 /// Up to the step where the routine ended it wrote R, a constant or from the arguments.
-template <const auto& R> constexpr bool may_have_written(routine table, const routine_status& r) {
-    for (std::size_t i = 0; i <= r.step && i < table.size(); ++i) {
+template <const auto& R> constexpr bool may_have_written(routine table, const command_status& r) {
+    for (std::size_t i = 0; i <= r.step() && i < table.size(); ++i) {
         if (table[i].what == step::kind::write && table[i].address == R.address) return true;
     }
     return false;
@@ -71,7 +71,7 @@ class set_up_progress {
         }
     }
     /// The drive refused something while P0C-13 is 1: what is written next would wear the EEPROM.
-    constexpr bool leaves_keeping(effect was, routine failed, const routine_status& r) const {
+    constexpr bool leaves_keeping(effect was, routine failed, const command_status& r) const {
         const bool is_refusal = r.error() == errc::exception || r.error() == errc::unexpected_value;
         const bool is_in_set_up = is_keeping_ && (was == effect::examined || was == effect::block_set);
         return is_refusal && was != effect::none &&

@@ -6,7 +6,7 @@
 // chapters 6 and 7.
 //
 //     if (!servo.run(c630s::set<c630s::positioning_completed_threshold>{500})) return 1; // until the power goes
-//     const routine_status kept = servo.run(c630s::keep<c630s::di1_function>{c630s::input_function::home_switch});
+//     const command_status kept = servo.run(c630s::keep<c630s::di1_function>{c630s::input_function::home_switch});
 //     if (kept.error() == errc::already_assigned)
 //         std::printf("the register %04Xh has it\n", unsigned{servo.conflicting_terminal()});
 #pragma once
@@ -98,7 +98,7 @@ constexpr prepared_command put(routine one, routine two, const register_value<R>
 /// `drive::conflicting_terminal()` is the address of the register that holds it. Give that terminal another
 /// function first, or none.
 template <const auto& R>
-constexpr prepared_command plan(const set<R>& wanted, const cached_settings& cached) {
+constexpr prepared_command prepare(const set<R>& wanted, const cached_settings& cached) {
     static_assert(!has(R.flags, flag::after_power_cycle),
                   "this register counts from the next power-on: keep it");
     constexpr bool is_at_rest = has(R.flags, flag::when_stopped);
@@ -113,12 +113,12 @@ constexpr prepared_command plan(const set<R>& wanted, const cached_settings& cac
 /// `needs_power_cycle`. A terminal's function is compared with the others as `set` does it, so that the
 /// restart does not end in Er.130:
 ///
-///     routine_status got = servo.run(keep<di1_function>{input_function::home_switch});
+///     command_status got = servo.run(keep<di1_function>{input_function::home_switch});
 ///     if (got.error() == errc::already_assigned) ... // servo.conflicting_terminal() == "P03-14"_p: DI7
 ///
 /// Error: `already_assigned`.
 template <const auto& R>
-constexpr prepared_command plan(const keep<R>& wanted, const cached_settings& cached) {
+constexpr prepared_command prepare(const keep<R>& wanted, const cached_settings& cached) {
     constexpr bool is_later = has(R.flags, flag::after_power_cycle);
     const routine one = is_later ? routine{routines::keep_one_for_later} : routine{routines::keep_one};
     const routine two = is_later ? routine{routines::keep_two_for_later} : routine{routines::keep_two};

@@ -13,7 +13,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include <servobus/control/wiring_status.hpp>
+#include <servobus/control/wiring.hpp>
 #include <servobus/device/c630s/single_parameters.hpp>
 
 namespace servobus::c630s {
@@ -37,14 +37,14 @@ namespace detail {
 struct look_at_terminals {
     std::uint16_t first;
     bool are_four;
-    constexpr prepared_command plan(const cached_settings& cached) const {
+    constexpr prepared_command prepare(const cached_settings& cached) const {
         return {.steps = are_four ? routine{routines::look_at_four} : routine{routines::look_at_two},
                 .refusal = needs_servo_off(cached),
                 .shift = as_word(first - di1_function.address)};
     }
 };
 struct open_keeping {
-    constexpr prepared_command plan(const cached_settings& cached) const {
+    constexpr prepared_command prepare(const cached_settings& cached) const {
         return {
             .steps = routines::open_keeping, .then = effect::assigned, .refusal = needs_servo_off(cached)};
     }
@@ -52,7 +52,7 @@ struct open_keeping {
 struct keep_function {
     std::uint16_t address;
     std::uint16_t function;
-    constexpr prepared_command plan(const cached_settings& cached) const {
+    constexpr prepared_command prepare(const cached_settings& cached) const {
         return {.steps = routines::keep_word,
                 .arguments = {function},
                 .then = effect::assigned,
@@ -62,7 +62,7 @@ struct keep_function {
 };
 struct close_keeping {
     bool was_done;
-    constexpr prepared_command plan(const cached_settings& cached) const {
+    constexpr prepared_command prepare(const cached_settings& cached) const {
         return {.steps = was_done ? routine{routines::end_keeping} : routine{routines::give_up_keeping},
                 .then = effect::assigned,
                 .refusal = needs_servo_off(cached)};
@@ -76,37 +76,39 @@ struct wiring_of {
     static constexpr std::uint16_t address(std::size_t i) { return after(First, i); }
 
     template <class Drive, class Run>
-    static constexpr wiring_status run(commands::wiring& all, const Drive& drive, Run& run_part) {
+    static constexpr command_status run(commands::wiring& all, const Drive& drive, Run& run_part) {
         if (const std::size_t i = all.twice(); i != all.nowhere)
             return refused(errc::bad_argument, address(i));
         for (std::size_t i = 0; i < Count;) {
             const std::size_t some = Count - i < 4 ? 2 : 4;
-            const routine_status looked = run_part(look_at_terminals{address(i), some == 4});
-            if (!looked) return {looked, address(i)};
+            const command_status looked = run_part(look_at_terminals{address(i), some == 4});
+            if (!looked) return looked.at_terminal(address(i));
             for (std::size_t k = 0; k < some; ++k, ++i) all.hold(i, word_of(drive, 2 * k));
         }
         for (std::size_t i = 0; i < Rivals;) {
-            const routine_status looked = run_part(look_at_terminals{after(FirstRival, i), true});
-            if (!looked) return {looked, after(FirstRival, i)};
+            const command_status looked = run_part(look_at_terminals{after(FirstRival, i), true});
+            if (!looked) return looked.at_terminal(after(FirstRival, i));
             for (std::size_t k = 0; k < 4; ++k, ++i) {
                 if (all.place_of(word_of(drive, 2 * k)) != all.nowhere)
                     return refused(errc::already_assigned, after(FirstRival, i));
             }
         }
         if (all.is_as_wanted()) return {};
-        if (const routine_status opened = run_part(open_keeping{}); !opened) return opened;
+        if (const command_status opened = run_part(open_keeping{}); !opened) return opened;
         std::uint16_t at = 0;
-        const routine_status how = all.each([&](std::size_t i, std::uint16_t function) {
+        const command_status how = all.each([&](std::size_t i, std::uint16_t function) {
             at = address(i);
             return run_part(keep_function{at, function});
         });
-        const routine_status closed = run_part(close_keeping{static_cast<bool>(how)});
+        const command_status closed = run_part(close_keeping{static_cast<bool>(how)});
         if (how && !closed)
             (void)run_part(close_keeping{false}); // it may be the look before it that was refused
-        if (!how) return {how, at};
+        if (!how) return how.at_terminal(at);
         return closed;
     }
-    static constexpr wiring_status refused(errc why, std::uint16_t at) { return {routine_status{why}, at}; }
+    static constexpr command_status refused(errc why, std::uint16_t at) {
+        return command_status{why}.at_terminal(at);
+    }
 
   private:
     static constexpr std::uint16_t after(std::uint16_t first, std::size_t terminals) {
@@ -125,7 +127,7 @@ using wiring_of_outputs = wiring_of<do1_function.address, 6, 0, 0>;
 /// theirs, but for one that another input is to have: it is freed first. The writes are one session of P0C-13 = 1, and
 /// nothing is written if all is so already. It takes effect when the motor stops next. Waits.
 ///
-/// Errors, with `terminal()`:
+/// Errors, at `register_address()`:
 /// - `bad_argument`: one function is named twice; nothing was sent
 /// - `out_of_range`: there is no such function, or it is servo-on, which only a command gives; nothing was sent
 /// - `already_assigned`: a virtual input has the function (P17), by which the facade commands the drive, or another
@@ -142,8 +144,8 @@ struct wire_inputs {
     wired<input_function> di7{};
     wired<input_function> di8{};
 
-    using status_of_parts = wiring_status;
-    template <class Drive, class Run> constexpr wiring_status run_by(const Drive& drive, Run&& run) const {
+    static constexpr bool is_made_of_commands = true;
+    template <class Drive, class Run> constexpr command_status run_by(const Drive& drive, Run&& run) const {
         using all_of = detail::wiring_of_inputs;
         const std::uint16_t words[]{di1.word(), di2.word(), di3.word(), di4.word(),
                                     di5.word(), di6.word(), di7.word(), di8.word()};
@@ -156,7 +158,7 @@ struct wire_inputs {
         }
         return all_of::run(all, drive, run);
     }
-    template <class Known> constexpr prepared_command plan(const Known&) const {
+    template <class Known> constexpr prepared_command prepare(const Known&) const {
         commands::is_run_by_a_facade<Known>();
         return detail::refused(errc::bad_argument);
     }
@@ -172,8 +174,8 @@ struct wire_outputs {
     wired<output_function> do5{};
     wired<output_function> do6{};
 
-    using status_of_parts = wiring_status;
-    template <class Drive, class Run> constexpr wiring_status run_by(const Drive& drive, Run&& run) const {
+    static constexpr bool is_made_of_commands = true;
+    template <class Drive, class Run> constexpr command_status run_by(const Drive& drive, Run&& run) const {
         using all_of = detail::wiring_of_outputs;
         const std::uint16_t words[]{do1.word(), do2.word(), do3.word(), do4.word(), do5.word(), do6.word()};
         commands::wiring all{words};
@@ -184,7 +186,7 @@ struct wire_outputs {
         }
         return all_of::run(all, drive, run);
     }
-    template <class Known> constexpr prepared_command plan(const Known&) const {
+    template <class Known> constexpr prepared_command prepare(const Known&) const {
         commands::is_run_by_a_facade<Known>();
         return detail::refused(errc::bad_argument);
     }

@@ -99,7 +99,7 @@ constexpr axis_command plan_on_axis(const travel_to& wanted, const axis_place& a
     const axis& on = at.geometry();
     const result<std::int32_t> counts = on.counts_of(wanted.place);
     const auto by = detail::profile_on(on, wanted.by, known);
-    axis_command c = move_to{distance{counts.value_or(0)}, by.value}.plan(known);
+    axis_command c = move_to{distance{counts.value_or(0)}, by.value}.prepare(known);
     c.refusal = detail::first_error(c.refusal, counts.error(), by.error);
     return c;
 }
@@ -109,7 +109,7 @@ constexpr axis_command plan_on_axis(const travel_by& wanted, const axis_place& a
     std::int32_t rest = 0;
     const result<std::int32_t> counts = at.plan(wanted.way, rest);
     const auto by = detail::profile_on(at.geometry(), wanted.by, known);
-    axis_command c = move_by{distance{counts.value_or(0)}, by.value}.plan(known);
+    axis_command c = move_by{distance{counts.value_or(0)}, by.value}.prepare(known);
     c.refusal = detail::first_error(c.refusal, counts.error(), by.error);
     c.rest = rest;
     c.carries = true;
@@ -119,13 +119,13 @@ constexpr axis_command plan_on_axis(const travel_by& wanted, const axis_place& a
 constexpr axis_command plan_on_axis(const travel_at& wanted, const axis_place& at,
                                     const cached_settings& known) {
     // A speed that has no count is 0 here, which the drive's own command refuses.
-    return velocity{detail::speed_on(at.geometry(), wanted.speed, known).value}.plan(known);
+    return velocity{detail::speed_on(at.geometry(), wanted.speed, known).value}.prepare(known);
 }
 /// A button that is held. Errors: as `yako::hold`; `out_of_range`.
 constexpr axis_command plan_on_axis(const servobus::hold_at& wanted, const axis_place& at,
                                     const cached_settings& known) {
     // Likewise.
-    return hold{detail::speed_on(at.geometry(), wanted.speed, known).value, wanted.every}.plan(known);
+    return hold{detail::speed_on(at.geometry(), wanted.speed, known).value, wanted.every}.prepare(known);
 }
 /// A mirrored axis has its lowest place where the drive counts highest. Errors: as `yako::limit_travel`;
 /// `out_of_range`.
@@ -134,7 +134,7 @@ constexpr axis_command plan_on_axis(const travel_limits& wanted, const axis_plac
     const axis& on = at.geometry();
     const result<std::int32_t> low = on.counts_of(on.is_mirrored() ? wanted.highest : wanted.lowest);
     const result<std::int32_t> high = on.counts_of(on.is_mirrored() ? wanted.lowest : wanted.highest);
-    axis_command c = limit_travel{distance{high.value_or(0)}, distance{low.value_or(0)}}.plan(known);
+    axis_command c = limit_travel{distance{high.value_or(0)}, distance{low.value_or(0)}}.prepare(known);
     c.refusal = detail::first_error(low.error(), high.error(), c.refusal);
     return c;
 }
@@ -142,7 +142,7 @@ constexpr axis_command plan_on_axis(const travel_limits& wanted, const axis_plac
 constexpr axis_command plan_on_axis(const declare_place& wanted, const axis_place& at,
                                     const cached_settings& known) {
     const result<std::int32_t> counts = at.geometry().counts_of(wanted.place);
-    axis_command c = declare_position{distance{counts.value_or(0)}}.plan(known);
+    axis_command c = declare_position{distance{counts.value_or(0)}}.prepare(known);
     c.refusal = detail::first_error(c.refusal, counts.error());
     return c;
 }

@@ -83,16 +83,16 @@ class basic_drive : public facade<Model, Line> {
     constexpr yako::arrival arrival(const wait_reached&) const { return arrival(); }
 
     /// Runs a command to its end. Waits. Errors: those of the command.
-    template <class Wanted> routine_status run(const Wanted& wanted) {
+    template <class Wanted> command_status run(const Wanted& wanted) {
         check_variant<Wanted>();
         return base::run(wanted);
     }
     /// Runs a command that is made of others, such as `take_over`. Waits. Returns which of them failed, and how.
-    template <commands::made_of_commands Wanted> typename Wanted::status_of_parts run(const Wanted& wanted) {
+    template <commands::made_of_commands Wanted> command_status run(const Wanted& wanted) {
         return wanted.run_by(*this, [this](const auto& part) { return this->run(part); });
     }
     /// Starts a command; `step` moves it on. Errors: those of the command.
-    template <class Wanted> [[nodiscard]] constexpr errc begin(const Wanted& wanted) {
+    template <class Wanted> constexpr command_status begin(const Wanted& wanted) {
         check_variant<Wanted>();
         return base::begin(wanted);
     }
@@ -106,8 +106,8 @@ class basic_drive : public facade<Model, Line> {
 
     /// Reads error, status, terminals, position and speed in one frame.
     result<basic_feedback<Device>> read() {
-        const routine_status r = base::run(read_feedback{});
-        if (!r) return r.status;
+        const command_status r = base::run(read_feedback{});
+        if (!r) return servobus::status{r};
         return last_feedback();
     }
 

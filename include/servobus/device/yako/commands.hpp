@@ -27,7 +27,7 @@ namespace servobus::yako {
 /// declared: whether the drive's homing is still valid is not known. Errors: `unexpected_value` for a setting
 /// that the manual does not list; `not_reached` if the motor runs on, as a homing may: section 4.6 does not say
 /// that a stop ends one [errata A58].
-constexpr prepared_command plan(init, const cached_settings& cached) {
+constexpr prepared_command prepare(init, const cached_settings& cached) {
     return {.steps = cached.is_closed_loop ? routine{routines::init_closed_loop}
                                            : routine{routines::init_open_loop},
             .then = effect::initialised};
@@ -35,7 +35,7 @@ constexpr prepared_command plan(init, const cached_settings& cached) {
 
 /// Energises the motor; only at standstill and without an alarm. Nothing moves by itself, but an input whose
 /// function is a jog or a speed move acts at once if it is active.
-constexpr prepared_command plan(enable, const cached_settings& cached) {
+constexpr prepared_command prepare(enable, const cached_settings& cached) {
     return {.steps = routines::enable,
             .then = effect::enabled,
             .needs = requirement::standing | requirement::healthy,
@@ -45,25 +45,25 @@ constexpr prepared_command plan(enable, const cached_settings& cached) {
 /// Stops, waits until the motor stands, and frees its shaft. An open loop drive must be
 /// homed again afterwards; where a release ends the drive's homing [errata A54], the next command finds that
 /// as it finds a restart (`needs_init`). Errors: as `init`; the shaft is not freed then.
-constexpr prepared_command plan(disable, const cached_settings&) {
+constexpr prepared_command prepare(disable, const cached_settings&) {
     return {.steps = routines::release, .then = effect::disabled, .stop = stop_priority::disable};
 }
 
 /// Stops by the deceleration time that was set *before* the move, and waits until the motor stands; it stays
 /// energised. Section 4.6. Errors: as `init`.
-constexpr prepared_command plan(halt, const cached_settings&) {
+constexpr prepared_command prepare(halt, const cached_settings&) {
     return {.steps = routines::stop, .stop = stop_priority::halt};
 }
 
 /// Stops at once, without a ramp. Steps may be lost, so that the axis must be homed before its next absolute
 /// move. Section 4.6. Errors: as `init`.
-constexpr prepared_command plan(quick_stop, const cached_settings&) {
+constexpr prepared_command prepare(quick_stop, const cached_settings&) {
     return {.steps = routines::quick_stop, .then = effect::quick_stopped, .stop = stop_priority::quick_stop};
 }
 
 /// Clears the alarm, at standstill. Whether the motor was released by it, or is enabled afterwards, is not
 /// stated [errata A57]: `drive::state()` says which. Errors: `faulted` if the alarm is still there.
-constexpr prepared_command plan(fault_reset, const cached_settings& cached) {
+constexpr prepared_command prepare(fault_reset, const cached_settings& cached) {
     return {.steps = routines::fault_reset,
             .then = effect::alarm_cleared,
             .needs = requirement::standing,
@@ -156,7 +156,7 @@ struct move_by {
     distance way;
     motion_profile by{};
     while_moving then = while_moving::ignore;
-    constexpr prepared_command plan(const cached_settings& cached) const {
+    constexpr prepared_command prepare(const cached_settings& cached) const {
         return detail::move<positioning::relative>(way, by, then, cached);
     }
 };
@@ -170,7 +170,7 @@ struct move_to {
     distance place;
     motion_profile by{};
     while_moving then = while_moving::ignore;
-    constexpr prepared_command plan(const cached_settings& cached) const {
+    constexpr prepared_command prepare(const cached_settings& cached) const {
         prepared_command o = detail::move<positioning::absolute>(place, by, then, cached);
         o.needs = o.needs | requirement::homed;
         o.refusal = detail::first_error(o.refusal, detail::needs_homed(cached));
@@ -186,7 +186,7 @@ struct velocity {
     speed target;
     time acceleration{100};
     time deceleration{100};
-    constexpr prepared_command plan(const cached_settings& cached) const {
+    constexpr prepared_command prepare(const cached_settings& cached) const {
         const auto count = detail::count_of<closed_loop::jog_speed>(target, cached);
         const auto rise = detail::count_of<jog_acceleration_time>(acceleration);
         const auto fall = detail::count_of<jog_deceleration_time>(deceleration);
@@ -206,8 +206,8 @@ struct velocity {
 struct bounded_jog {
     distance way;
     motion_profile by{};
-    constexpr prepared_command plan(const cached_settings& cached) const {
-        prepared_command o = move_by{way, by}.plan(cached);
+    constexpr prepared_command prepare(const cached_settings& cached) const {
+        prepared_command o = move_by{way, by}.prepare(cached);
         o.then = effect::crept;
         return o;
     }
@@ -272,7 +272,7 @@ template <class Device> struct basic_home {
     distance offset{};
     offset_handling then = offset_handling::move_position_zero;
     duration limit = milliseconds(60'000);
-    constexpr prepared_command plan(const cached_settings& cached) const {
+    constexpr prepared_command prepare(const cached_settings& cached) const {
         prepared_command o = detail::home(number_of(by.method()), offset, then, limit, cached);
         const errc profile = cached.has_homing_profile ? errc::ok : errc::wrong_state;
         o.refusal = detail::first_error(o.refusal, by.error(), profile);
@@ -289,7 +289,7 @@ using home = basic_home<device>;
 /// Says that the motor, where it stands, is at `place`; by homing method 35, without a motion. Section 4.3.
 struct declare_position {
     distance place;
-    constexpr prepared_command plan(const cached_settings& cached) const {
+    constexpr prepared_command prepare(const cached_settings& cached) const {
         prepared_command o = detail::home(number_of(homing::current_position), place,
                                           offset_handling::stay_position_offset, milliseconds(1'000), cached);
         o.has_target = true;
@@ -301,7 +301,7 @@ struct declare_position {
 /// Says that the drive's position is still valid, which was homed by a program before this one. Errors:
 /// `needs_homing` if the drive reports no homing.
 struct accept_position {
-    constexpr prepared_command plan(const cached_settings& cached) const {
+    constexpr prepared_command prepare(const cached_settings& cached) const {
         return {.steps = routines::accept_position,
                 .then = effect::trusted,
                 .needs = requirement::standing | requirement::enabled,
@@ -312,7 +312,7 @@ struct accept_position {
 /// Sets the drive's position to zero, at standstill. That is no homing: a drive that was not homed is not
 /// homed afterwards. Section 5.1.
 struct clear_position {
-    constexpr prepared_command plan(const cached_settings& cached) const {
+    constexpr prepared_command prepare(const cached_settings& cached) const {
         return {.steps = routines::clear_position,
                 .then = effect::position_cleared,
                 .needs = requirement::standing,
@@ -322,7 +322,7 @@ struct clear_position {
 
 /// Waits until the motor stands. Errors: `not_reached` after `limit`; `faulted`; `stopped_short` if a move was
 /// commanded last and the motor is not at its target.
-constexpr prepared_command plan(const wait_standstill& wanted, const cached_settings& cached) {
+constexpr prepared_command prepare(const wait_standstill& wanted, const cached_settings& cached) {
     return {.steps = routines::wait_standstill,
             .refusal = detail::needs_init_done(cached),
             .limit = wanted.limit};
@@ -331,7 +331,7 @@ constexpr prepared_command plan(const wait_standstill& wanted, const cached_sett
 /// Waits for the end of the last move. Errors: `stopped_short` if the motor is at rest elsewhere than at its
 /// target (`drive::arrival()` says how far from it, and why); `not_reached` after `limit`; `faulted`;
 /// `wrong_state` without a move, or after one whose target is not known.
-constexpr prepared_command plan(const wait_reached& wanted, const cached_settings& cached) {
+constexpr prepared_command prepare(const wait_reached& wanted, const cached_settings& cached) {
     return {.steps = routines::wait_reached,
             .then = effect::arrived,
             .refusal = detail::needs_init_done(cached),
@@ -339,7 +339,7 @@ constexpr prepared_command plan(const wait_reached& wanted, const cached_setting
 }
 
 /// Reads error, status, terminals, position and speed in one frame; `drive::feedback` has them.
-constexpr prepared_command plan(read_feedback, const cached_settings& cached) {
+constexpr prepared_command prepare(read_feedback, const cached_settings& cached) {
     return {.steps = routines::feedback, .then = effect::seen, .refusal = detail::needs_init_done(cached)};
 }
 

@@ -61,7 +61,7 @@ struct hold {
         const std::uint32_t way = (pace >> 10) * ms + ((pace & 1023u) * ms >> 10) + 1;
         return distance{static_cast<std::int32_t>(target.count() < 0 ? 0u - way : way)};
     }
-    constexpr prepared_command plan(const cached_settings& cached) const {
+    constexpr prepared_command prepare(const cached_settings& cached) const {
         const bool is_forward = target.count() > 0;
         const motion_profile by{{}, acceleration, deceleration, is_forward ? target : -target};
         prepared_command o =

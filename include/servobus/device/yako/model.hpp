@@ -90,9 +90,9 @@ template <class Device> class model {
     /// The drive has no watchdog: a motor runs on when nothing is sent.
     static constexpr duration watchdog(const settings&) { return {}; }
     static constexpr prepared_command stop_for(stop_priority priority, const settings& known, bool) {
-        if (priority == stop_priority::quick_stop) return plan(quick_stop{}, known);
-        if (priority == stop_priority::disable) return plan(disable{}, known);
-        return plan(halt{}, known);
+        if (priority == stop_priority::quick_stop) return prepare(quick_stop{}, known);
+        if (priority == stop_priority::disable) return prepare(disable{}, known);
+        return prepare(halt{}, known);
     }
 
     /// A wait needs a move.
@@ -238,7 +238,7 @@ template <class Device> class model {
         return c.then == effect::jogged || c.has_profile ? routines::start_step : routines::stored_start_step;
     }
 
-    constexpr void fail(prepared_command& c, const routine_status& r, settings& known) {
+    constexpr void fail(prepared_command& c, const command_status& r, settings& known) {
         if (c.then == effect::kept && r.error() == errc::not_executed) return mark(c, 0, known);
         if (r.error() == errc::stopped_short && known.state != drive_state::needs_init) {
             c = {.steps = is_closed_loop ? routine{routines::examine_stop_in_closed_loop}
@@ -246,16 +246,16 @@ template <class Device> class model {
                  .then = effect::stop_examined};
             return;
         }
-        if (!is_motion(c.then) || r.step < start_step_of(c)) return;
+        if (!is_motion(c.then) || r.step() < start_step_of(c)) return;
         // After a refused read a homing goes on; other motions are supervised by their own feedback.
-        const bool is_after_start = r.step > start_step_of(c);
+        const bool is_after_start = r.step() > start_step_of(c);
         const bool is_unseen_homing =
             c.then == effect::homed && is_after_start && r.outcome() == outcome::refused;
         if (r.outcome() != outcome::unknown && !is_unseen_homing) return;
         if (r.error() == errc::not_executed) return note_profile(c, known);
         motion_.note(motion_check::unknown);
         if (c.then == effect::homed) {
-            if (r.error() != errc::faulted) c = plan(halt{}, known);
+            if (r.error() != errc::faulted) c = prepare(halt{}, known);
             return;
         }
         if (is_after_start) return;

@@ -19,10 +19,13 @@
 namespace servobus::yako {
 
 /// Where the last move has come to.
-struct arrival {
+struct [[nodiscard]] arrival {
     arrival_state how = arrival_state::none;
     stop_cause cause = stop_cause::unknown; ///< why it `stopped_short`
     distance missing{};                     ///< from the motor's position to its target
+
+    /// At rest at its target.
+    constexpr explicit operator bool() const { return how == arrival_state::reached; }
 };
 
 /// `w`: the words of the feedback. `since_start`: of these, after the start was acknowledged; it may go back from two

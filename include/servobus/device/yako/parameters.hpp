@@ -22,7 +22,7 @@ namespace servobus::yako {
 /// The profile of moves that name none, 0020h..0023h. It holds for what begins afterwards, stops included.
 struct set_profile {
     motion_profile to;
-    constexpr prepared_command plan(const cached_settings& cached) const {
+    constexpr prepared_command prepare(const cached_settings& cached) const {
         prepared_command o{.steps = routines::set_profile,
                            .then = effect::profile_set,
                            .refusal = detail::needs_init_done(cached)};
@@ -38,7 +38,7 @@ struct set_homing_profile {
     speed fast;
     speed slow;
     time ramp{100};
-    constexpr prepared_command plan(const cached_settings& cached) const {
+    constexpr prepared_command prepare(const cached_settings& cached) const {
         const auto to = detail::count_of<closed_loop::homing_fast_speed>(fast, cached);
         const auto back = detail::count_of<closed_loop::homing_slow_speed>(slow, cached);
         const auto ramps = detail::count_of<homing_ramp_time>(ramp);
@@ -91,7 +91,7 @@ struct set_position_segment {
     time acceleration{100};
     time deceleration{100};
     positioning from = positioning::relative;
-    constexpr prepared_command plan(const cached_settings& cached) const {
+    constexpr prepared_command prepare(const cached_settings& cached) const {
         const word_pair words = detail::words_of(target, cached);
         const auto count = detail::count_of<at<closed_loop::position_segment_speeds, 0>>(top, cached);
         const auto rise =
@@ -115,7 +115,7 @@ struct set_speed_segment {
     speed target;
     time acceleration{100};
     time deceleration{100};
-    constexpr prepared_command plan(const cached_settings& cached) const {
+    constexpr prepared_command prepare(const cached_settings& cached) const {
         const auto count = detail::count_of<at<closed_loop::speed_segment_speeds, 0>>(target, cached);
         const auto rise =
             detail::count_of<at<closed_loop::speed_segment_acceleration_times, 0>>(acceleration);
@@ -133,7 +133,7 @@ struct set_speed_segment {
 /// What of the PV input starts a speed segment, 0051h; `rising_edge` where both kinds of segments are used.
 struct set_pv_trigger {
     pv_trigger by;
-    constexpr prepared_command plan(const cached_settings& cached) const {
+    constexpr prepared_command prepare(const cached_settings& cached) const {
         return detail::set_word(routines::set_pv_trigger, static_cast<std::uint16_t>(by),
                                 detail::in_range<pv_trigger_mode>(by), cached);
     }
@@ -148,7 +148,7 @@ struct set_input_move {
     distance target;
     motion_profile by;
     positioning from = positioning::relative;
-    constexpr prepared_command plan(const cached_settings& cached) const {
+    constexpr prepared_command prepare(const cached_settings& cached) const {
         const bool is_absolute = from == positioning::absolute;
         prepared_command o = detail::move<positioning::relative>(target, by, while_moving::interrupt, cached);
         const errc homed = is_absolute ? detail::needs_homed(cached) : errc::ok;
@@ -172,7 +172,7 @@ enum class output : std::uint8_t { y0, y1, y2 };                ///< closed loop
 struct set_input {
     input terminal;
     input_function as;
-    constexpr prepared_command plan(const cached_settings& cached) const {
+    constexpr prepared_command prepare(const cached_settings& cached) const {
         const input last = cached.is_closed_loop ? input::x3 : input::x6;
         const errc wrong = terminal > last ? errc::bad_argument : detail::in_range<x0_function>(as);
         prepared_command o = detail::set_word(routines::set_input, static_cast<std::uint16_t>(as), wrong,
@@ -186,7 +186,7 @@ struct set_input {
 struct set_output {
     output terminal;
     output_function as;
-    constexpr prepared_command plan(const cached_settings& cached) const {
+    constexpr prepared_command prepare(const cached_settings& cached) const {
         const output last = cached.is_closed_loop ? output::y1 : output::y2;
         const bool has_meaning = as <= output_function::brake || as >= output_function::user_0;
         const errc wrong = terminal > last ? errc::bad_argument
@@ -203,7 +203,7 @@ struct set_output {
 template <class Device, class Inputs> struct basic_set_input_polarity {
     using device = Device;
     Inputs normally_closed;
-    constexpr prepared_command plan(const cached_settings& cached) const {
+    constexpr prepared_command prepare(const cached_settings& cached) const {
         return detail::set_word(routines::set_input_polarity, normally_closed.to_word(), errc::ok, cached,
                                 requirement::standing | requirement::released);
     }
@@ -212,7 +212,7 @@ template <class Device, class Inputs> struct basic_set_input_polarity {
 template <class Device, class Outputs> struct basic_set_output_polarity {
     using device = Device;
     Outputs normally_closed;
-    constexpr prepared_command plan(const cached_settings& cached) const {
+    constexpr prepared_command prepare(const cached_settings& cached) const {
         return detail::set_word(routines::set_output_polarity, normally_closed.to_word(), errc::ok, cached);
     }
 };
@@ -220,7 +220,7 @@ template <class Device, class Outputs> struct basic_set_output_polarity {
 template <class Device, class Outputs> struct basic_set_outputs {
     using device = Device;
     Outputs active;
-    constexpr prepared_command plan(const cached_settings& cached) const {
+    constexpr prepared_command prepare(const cached_settings& cached) const {
         return detail::set_word(routines::set_outputs, active.to_word(), errc::ok, cached);
     }
 };
@@ -241,7 +241,7 @@ using set_outputs = basic_set_outputs<device, outputs>;
 struct limit_travel {
     distance positive;
     distance negative;
-    constexpr prepared_command plan(const cached_settings& cached) const {
+    constexpr prepared_command prepare(const cached_settings& cached) const {
         const word_pair up = detail::words_of(positive, cached);
         const word_pair down = detail::words_of(negative, cached);
         const errc wrong = positive > negative ? errc::ok : errc::bad_argument;
@@ -255,7 +255,7 @@ struct limit_travel {
 };
 /// Switches the software limits off.
 struct unlimit_travel {
-    constexpr prepared_command plan(const cached_settings& cached) const {
+    constexpr prepared_command prepare(const cached_settings& cached) const {
         return {.steps = routines::unlimit_travel,
                 .then = effect::unlimited,
                 .refusal = detail::needs_init_done(cached)};
@@ -264,7 +264,7 @@ struct unlimit_travel {
 /// What the drive does at a limit that is overrun, 0017h.
 struct set_over_travel_stop {
     over_travel_stop by;
-    constexpr prepared_command plan(const cached_settings& cached) const {
+    constexpr prepared_command prepare(const cached_settings& cached) const {
         return detail::set_word(routines::set_over_travel_stop, static_cast<std::uint16_t>(by),
                                 detail::in_range<over_travel_stop_mode>(by), cached);
     }
@@ -274,7 +274,7 @@ struct set_over_travel_stop {
 /// unknown and no such value is sent before `init` has read it. Section 5.5.
 struct set_word_order {
     word_order_setting to;
-    constexpr prepared_command plan(const cached_settings& cached) const {
+    constexpr prepared_command prepare(const cached_settings& cached) const {
         prepared_command o =
             detail::set_word(routines::set_word_order, static_cast<std::uint16_t>(to),
                              detail::in_range<pair_word_order>(to), cached, requirement::standing);
@@ -291,7 +291,7 @@ struct set_word_order {
 /// loop.
 struct set_speed_resolution {
     speed_count to;
-    constexpr prepared_command plan(const cached_settings& cached) const {
+    constexpr prepared_command prepare(const cached_settings& cached) const {
         const errc wrong = detail::first_error(detail::needs_closed_loop(cached),
                                                detail::in_range<closed_loop::speed_resolution>(to));
         prepared_command o = detail::set_word(routines::set_speed_resolution, static_cast<std::uint16_t>(to),
@@ -305,7 +305,7 @@ struct set_speed_resolution {
 /// [errata A53]. Errors: `busy`; `not_executed` if the motor is found moving afterwards, since the drive may
 /// acknowledge a save that it does not carry out; `exception` if it refuses one [errata A56]. Section 5.1.
 struct save {
-    constexpr prepared_command plan(const cached_settings& cached) const {
+    constexpr prepared_command prepare(const cached_settings& cached) const {
         return {.steps = routines::save,
                 .then = effect::kept,
                 .needs = requirement::standing,
@@ -320,7 +320,7 @@ using servobus::sole_drive_on_the_line;
 /// `unknown`.
 struct factory_reset {
     constexpr explicit factory_reset(sole_drive_on_the_line) {}
-    constexpr prepared_command plan(const cached_settings& cached) const {
+    constexpr prepared_command prepare(const cached_settings& cached) const {
         return {.steps = routines::factory_reset,
                 .then = effect::reset,
                 .needs = requirement::standing,
@@ -332,7 +332,7 @@ struct factory_reset {
 /// not stated: make a drive object with the new address, and `init` it. Section 2.2.
 struct set_node_address {
     constexpr set_node_address(std::uint8_t to, sole_drive_on_the_line) : to_{to} {}
-    constexpr prepared_command plan(const cached_settings& cached) const {
+    constexpr prepared_command prepare(const cached_settings& cached) const {
         const bool is_address = to_ >= device::facts.lowest_address && to_ <= device::facts.highest_address;
         prepared_command o =
             detail::set_word(routines::set_node_address, to_, is_address ? errc::ok : errc::out_of_range,
@@ -349,7 +349,7 @@ struct set_node_address {
 /// The baud rate from the next power-on, 0014h; save it too. Section 2.3.
 struct set_baud_rate {
     baud_rate to;
-    constexpr prepared_command plan(const cached_settings& cached) const {
+    constexpr prepared_command prepare(const cached_settings& cached) const {
         return detail::set_word(routines::set_baud_rate, static_cast<std::uint16_t>(to),
                                 detail::in_range<rs485_baud_rate>(to), cached, requirement::standing);
     }
@@ -357,7 +357,7 @@ struct set_baud_rate {
 /// Parity and stop bits from the next power-on, 0015h; save them too. Section 2.3.
 struct set_serial_format {
     serial_format to;
-    constexpr prepared_command plan(const cached_settings& cached) const {
+    constexpr prepared_command prepare(const cached_settings& cached) const {
         return detail::set_word(routines::set_serial_format, static_cast<std::uint16_t>(to),
                                 detail::in_range<rs485_format>(to), cached, requirement::standing);
     }

@@ -85,7 +85,7 @@ constexpr bool needs_free_motor(std::uint16_t address) { return is_between(addre
 /// encoder's resolution (0100h, 0101h) are set while the motor is free and stands (`wrong_state`, `busy`), currents,
 /// filters and gains in each state after `init`.
 template <const auto& R>
-constexpr prepared_command plan(const set<R>& wanted, const cached_settings& cached) {
+constexpr prepared_command prepare(const set<R>& wanted, const cached_settings& cached) {
     detail::check_settable<R>();
     constexpr requirement needs = detail::needs_free_motor(R.address)
                                       ? requirement::standing | requirement::released
@@ -93,7 +93,7 @@ constexpr prepared_command plan(const set<R>& wanted, const cached_settings& cac
     return detail::set_word(routines::set_row<R>, static_cast<std::uint16_t>(wanted.value.bits() & 0xFFFF),
                             wanted.value.error(), cached, needs);
 }
-template <const auto& R> constexpr prepared_command plan(const keep<R>&, const cached_settings&) {
+template <const auto& R> constexpr prepared_command prepare(const keep<R>&, const cached_settings&) {
     static_assert(row_type<R>::words == 0,
                   "this drive keeps all its parameters together: set this one, then save{}");
     return {.steps = no_steps};
@@ -105,7 +105,7 @@ template <const auto& R> constexpr prepared_command plan(const keep<R>&, const c
 /// with its geometry at `init` (`unexpected_value`).
 struct set_microsteps {
     register_value<microstep_resolution> pulses;
-    constexpr prepared_command plan(const cached_settings& cached) const {
+    constexpr prepared_command prepare(const cached_settings& cached) const {
         prepared_command o =
             detail::set_word(routines::set_microsteps, static_cast<std::uint16_t>(pulses.bits() & 0xFFFF),
                              pulses.error(), cached, requirement::standing | requirement::released);
@@ -118,7 +118,7 @@ struct set_microsteps {
 /// position is another place then**: as after `set_microsteps`.
 struct set_direction {
     direction to;
-    constexpr prepared_command plan(const cached_settings& cached) const {
+    constexpr prepared_command prepare(const cached_settings& cached) const {
         prepared_command o = detail::set_word(routines::set_direction, static_cast<std::uint16_t>(to),
                                               detail::in_range<motion_direction>(to), cached,
                                               requirement::standing | requirement::released);
@@ -134,7 +134,7 @@ struct set_current_loop {
     register_value<current_loop_kp> kp;
     register_value<current_loop_ki> ki;
     register_value<current_loop_kc> kc;
-    constexpr prepared_command plan(const cached_settings& cached) const {
+    constexpr prepared_command prepare(const cached_settings& cached) const {
         const auto low = [](u32 bits) { return static_cast<std::uint16_t>(bits & 0xFFFF); };
         return {.steps = routines::set_current_loop,
                 .arguments = {low(kp_multiplier.bits()), low(kp.bits()), low(ki.bits()), low(kc.bits())},
@@ -150,7 +150,7 @@ struct set_collision_homing {
     using device = closed_loop::device;
     register_value<collision_threshold> threshold;
     register_value<collision_current> most;
-    constexpr prepared_command plan(const cached_settings& cached) const {
+    constexpr prepared_command prepare(const cached_settings& cached) const {
         return {.steps = routines::set_collision_homing,
                 .arguments = {static_cast<std::uint16_t>(threshold.bits() & 0xFFFF),
                               static_cast<std::uint16_t>(most.bits() & 0xFFFF)},

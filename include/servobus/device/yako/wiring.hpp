@@ -12,7 +12,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include <servobus/control/wiring_status.hpp>
+#include <servobus/control/wiring.hpp>
 #include <servobus/device/yako/parameters.hpp>
 
 namespace servobus::yako {
@@ -29,15 +29,15 @@ inline constexpr step look_at_seven_inputs[] = {
 namespace detail {
 /// Reads what the inputs do. As a wiring goes on only if the motor is free, it is refused otherwise.
 struct look_at_inputs {
-    constexpr prepared_command plan(const cached_settings& cached) const {
+    constexpr prepared_command prepare(const cached_settings& cached) const {
         return {.steps = cached.is_closed_loop ? routine{routines::look_at_four_inputs}
                                                : routine{routines::look_at_seven_inputs},
                 .needs = requirement::standing | requirement::released,
                 .refusal = needs_init_done(cached)};
     }
 };
-constexpr wiring_status refused_at(errc why, unsigned terminal) {
-    return {routine_status{why}, static_cast<std::uint16_t>(terminal)};
+constexpr command_status refused_at(errc why, unsigned terminal) {
+    return command_status{why}.at_terminal(static_cast<std::uint16_t>(terminal));
 }
 } // namespace detail
 
@@ -45,7 +45,7 @@ constexpr wiring_status refused_at(errc why, unsigned terminal) {
 /// theirs, but for one that another input is to have: it is freed first, since two inputs with one function contradict
 /// each other. Nothing is written if all is so already. Waits.
 ///
-/// Errors, with `terminal()`:
+/// Errors, at `register_address()`:
 /// - `bad_argument`: one function is named twice, or the drive has no such input (closed loop: up to X3); nothing was
 ///   sent
 /// - `out_of_range`: there is no such function; nothing was sent
@@ -59,8 +59,8 @@ struct wire_inputs {
     wired<input_function> x5{};
     wired<input_function> x6{};
 
-    using status_of_parts = wiring_status;
-    template <class Drive, class Run> constexpr wiring_status run_by(const Drive& drive, Run&& run) const {
+    static constexpr bool is_made_of_commands = true;
+    template <class Drive, class Run> constexpr command_status run_by(const Drive& drive, Run&& run) const {
         constexpr std::size_t inputs = Drive::model_type::is_closed_loop ? 4 : 7;
         const std::uint16_t words[]{x0.word(), x1.word(), x2.word(), x3.word(),
                                     x4.word(), x5.word(), x6.word()};
@@ -73,16 +73,16 @@ struct wire_inputs {
         }
         if (const std::size_t i = all.twice(); i != all.nowhere)
             return detail::refused_at(errc::bad_argument, address(i));
-        if (const routine_status looked = run(detail::look_at_inputs{}); !looked) return looked;
+        if (const command_status looked = run(detail::look_at_inputs{}); !looked) return looked;
         for (std::size_t i = 0; i < inputs; ++i) all.hold(i, drive.machine().slot().run().words()[i]);
         std::uint16_t at = 0;
-        const routine_status how = all.each([&](std::size_t i, std::uint16_t function) {
+        const command_status how = all.each([&](std::size_t i, std::uint16_t function) {
             at = address(i);
             return run(set_input{static_cast<input>(i), static_cast<input_function>(function)});
         });
-        return {how, how ? std::uint16_t{0} : at};
+        return how ? how : how.at_terminal(at);
     }
-    template <class Known> constexpr prepared_command plan(const Known&) const {
+    template <class Known> constexpr prepared_command prepare(const Known&) const {
         commands::is_run_by_a_facade<Known>();
         return {.steps = no_steps};
     }
@@ -94,24 +94,24 @@ struct wire_inputs {
 };
 
 /// Gives outputs their functions, 004Ch to 004Eh; several may show one. Waits. Errors: as of `set_output`, at
-/// `terminal()`; nothing is sent of an output after it.
+/// `register_address()`; nothing is sent of an output after it.
 struct wire_outputs {
     wired<output_function> y0{};
     wired<output_function> y1{};
     wired<output_function> y2{};
 
-    using status_of_parts = wiring_status;
-    template <class Drive, class Run> constexpr wiring_status run_by(const Drive&, Run&& run) const {
+    static constexpr bool is_made_of_commands = true;
+    template <class Drive, class Run> constexpr command_status run_by(const Drive&, Run&& run) const {
         const wired<output_function> all[]{y0, y1, y2};
         for (unsigned i = 0; i < 3; ++i) {
             if (all[i].word() == wired<output_function>::as_it_is) continue;
             const set_output one{static_cast<output>(i), static_cast<output_function>(all[i].word())};
-            if (const routine_status how = run(one); !how)
-                return {how, static_cast<std::uint16_t>(y0_function.address + i)};
+            if (const command_status how = run(one); !how)
+                return how.at_terminal(static_cast<std::uint16_t>(y0_function.address + i));
         }
         return {};
     }
-    template <class Known> constexpr prepared_command plan(const Known&) const {
+    template <class Known> constexpr prepared_command prepare(const Known&) const {
         commands::is_run_by_a_facade<Known>();
         return {.steps = no_steps};
     }

@@ -130,7 +130,7 @@ template <class Wanted> struct command_of_wheel {
     const Wanted& wanted;
     axis_now on;
 
-    constexpr axis_command plan(const cached_settings& known) const {
+    constexpr axis_command prepare(const cached_settings& known) const {
         return plan_on_wheel(wanted, on, known);
     }
 };
@@ -151,7 +151,7 @@ constexpr axis_command plan_on_wheel(const travel_to& wanted, const detail::axis
     const result<std::int32_t> counts = on.place().geometry().counts_of(wanted.place);
     const distance place{counts.value_or(0)};
     axis_command c =
-        on.which == wheels::left ? move_left_to{place}.plan(known) : move_right_to{place}.plan(known);
+        on.which == wheels::left ? move_left_to{place}.prepare(known) : move_right_to{place}.prepare(known);
     c.refusal =
         detail::first_error(c.refusal, detail::first_error(detail::profile_error(wanted.by), counts.error()));
     c.refusal = detail::first_error(detail::position_error(on.model), c.refusal);
@@ -164,7 +164,7 @@ constexpr axis_command plan_on_wheel(const travel_by& wanted, const detail::axis
     const result<std::int32_t> counts = on.place().plan(wanted.way, rest);
     const distance way{counts.value_or(0)};
     axis_command c =
-        on.which == wheels::left ? move_left_by{way}.plan(known) : move_right_by{way}.plan(known);
+        on.which == wheels::left ? move_left_by{way}.prepare(known) : move_right_by{way}.prepare(known);
     c.refusal =
         detail::first_error(c.refusal, detail::first_error(detail::profile_error(wanted.by), counts.error()));
     c.refusal = detail::first_error(detail::position_error(on.model), c.refusal);
@@ -182,7 +182,7 @@ constexpr axis_command plan_on_wheel(const travel_at& wanted, const detail::axis
     const std::int32_t counts = counted > 32'767 || counted < -32'767 ? 0 : counted;
     const speed to{counts * (2520 / n)};
     axis_command c =
-        on.which == wheels::left ? left_velocity{to}.plan(known) : right_velocity{to}.plan(known);
+        on.which == wheels::left ? left_velocity{to}.prepare(known) : right_velocity{to}.prepare(known);
     const errc lost = counts == 0 && wanted.speed.count() != 0 ? errc::out_of_range : errc::ok;
     c.refusal = detail::first_error(exact.error(), detail::first_error(lost, c.refusal));
     if (c.refusal != errc::ok || !on.model.has_limits()) return c;
@@ -204,17 +204,17 @@ template <class Drive> class axis_of_drive {
 
     /// Runs a command of this axis: `travel_to`, `travel_by`, `travel_at`. Waits; with limits until the speed is
     /// ordered, by a setpoint every 20 ms.
-    template <class Wanted> routine_status run(const Wanted& wanted) {
+    template <class Wanted> command_status run(const Wanted& wanted) {
         for (;;) {
             const instant begun = drive_->line().now();
-            const routine_status how = drive_->run(with_geometry(wanted));
+            const command_status how = drive_->run(with_geometry(wanted));
             if (!how || !is_changing_speed()) return how;
-            if (!shaped_speeds::pause(*drive_, begun)) return routine_status{errc::clock_stopped};
+            if (!shaped_speeds::pause(*drive_, begun)) return errc::clock_stopped;
         }
     }
     /// Begins a command of this axis. With limits `travel_at` begins one setpoint on the way to its speed: a program
     /// begins it every 20 ms or so.
-    template <class Wanted> [[nodiscard]] constexpr errc begin(const Wanted& wanted) {
+    template <class Wanted> constexpr command_status begin(const Wanted& wanted) {
         return drive_->begin(with_geometry(wanted));
     }
     /// A command with this axis, and what the drive knows: as `why` asks for it.

@@ -19,7 +19,7 @@ namespace servobus::zlac8015d {
 
 /// Takes a drive over, whatever a program before this one did: stops it, waits until it stands (up to 34 s),
 /// reads what must be known. Nothing moves.
-constexpr prepared_command plan(init, const cached_settings&) {
+constexpr prepared_command prepare(init, const cached_settings&) {
     return {.steps = routines::init, .then = effect::initialised};
 }
 
@@ -66,7 +66,7 @@ struct enable_in {
     enable_mode mode;
     synchronisation starts = synchronisation::synchronous; ///< position modes: both wheels a start, or one
 
-    constexpr prepared_command plan(const cached_settings& cached) const {
+    constexpr prepared_command prepare(const cached_settings& cached) const {
         return {.steps = mode.steps(),
                 .arguments = {cached.resolution, cached.host_timeout, static_cast<std::uint16_t>(starts)},
                 .then = effect::enabled,
@@ -76,12 +76,12 @@ struct enable_in {
 };
 
 /// In velocity mode; `enable_in` names another.
-constexpr prepared_command plan(enable, const cached_settings& cached) {
-    return enable_in{operating_mode::velocity}.plan(cached);
+constexpr prepared_command prepare(enable, const cached_settings& cached) {
+    return enable_in{operating_mode::velocity}.prepare(cached);
 }
 
 /// Ends the operation (07h) and waits until both wheels stand. They may roll afterwards.
-constexpr prepared_command plan(disable, const cached_settings&) {
+constexpr prepared_command prepare(disable, const cached_settings&) {
     return {.steps = routines::disable, .then = effect::disabled, .stop = stop_priority::disable};
 }
 
@@ -109,7 +109,7 @@ constexpr void plan_quick_stop(prepared_command& o, const cached_settings& cache
 /// Targets to zero, both motors stay energised. In the position modes there is no such command: use
 /// `quick_stop` or `disable`. Where nothing is known of the drive it stops by every means and ends the
 /// operation, as `init` does.
-constexpr prepared_command plan(halt, const cached_settings& cached) {
+constexpr prepared_command prepare(halt, const cached_settings& cached) {
     prepared_command o{.steps = no_steps, .stop = stop_priority::halt};
     if (!detail::plan_halt(o, cached)) o.refusal = errc::wrong_state;
     return o;
@@ -117,7 +117,7 @@ constexpr prepared_command plan(halt, const cached_settings& cached) {
 
 /// Stops both wheels by 2011h and holds them there until the next enable. Section 3.4. A drive that is known
 /// to be disabled has nothing to hold and is stopped as `disable` does.
-constexpr prepared_command plan(quick_stop, const cached_settings& cached) {
+constexpr prepared_command prepare(quick_stop, const cached_settings& cached) {
     prepared_command o{.steps = no_steps, .stop = stop_priority::quick_stop};
     detail::plan_quick_stop(o, cached);
     return o;
@@ -125,7 +125,7 @@ constexpr prepared_command plan(quick_stop, const cached_settings& cached) {
 
 /// Clears the faults, at standstill; the drive stays disabled. Section 3.5.
 /// Errors: `faulted` if a fault is still there.
-constexpr prepared_command plan(fault_reset, const cached_settings& cached) {
+constexpr prepared_command prepare(fault_reset, const cached_settings& cached) {
     return {
         .steps = routines::fault_reset, .then = effect::disabled, .refusal = detail::needs_init_done(cached)};
 }
@@ -135,7 +135,7 @@ struct velocity {
     speed left;
     speed right;
 
-    constexpr prepared_command plan(const cached_settings& cached) const {
+    constexpr prepared_command prepare(const cached_settings& cached) const {
         const auto l = detail::count_of(left, cached);
         const auto r = detail::count_of(right, cached);
         return {.steps = routines::velocity,
@@ -160,8 +160,8 @@ struct hold {
     speed left;
     speed right;
 
-    constexpr prepared_command plan(const cached_settings& cached) const {
-        prepared_command o = velocity{left, right}.plan(cached);
+    constexpr prepared_command prepare(const cached_settings& cached) const {
+        prepared_command o = velocity{left, right}.prepare(cached);
         o.refusal = detail::first_error(o.refusal, cached.host_timeout == 0 ? errc::wrong_state : errc::ok);
         return o;
     }
@@ -170,7 +170,7 @@ struct hold {
 /// Velocity mode: the left wheel alone; the right one keeps its target.
 struct left_velocity {
     speed left;
-    constexpr prepared_command plan(const cached_settings& cached) const {
+    constexpr prepared_command prepare(const cached_settings& cached) const {
         const auto l = detail::count_of(left, cached);
         return {.steps = routines::left_velocity,
                 .arguments = {l.word},
@@ -182,7 +182,7 @@ struct left_velocity {
 /// Velocity mode: the right wheel alone; the left one keeps its target.
 struct right_velocity {
     speed right;
-    constexpr prepared_command plan(const cached_settings& cached) const {
+    constexpr prepared_command prepare(const cached_settings& cached) const {
         const auto r = detail::count_of(right, cached);
         return {.steps = routines::right_velocity,
                 .arguments = {r.word},
@@ -212,8 +212,8 @@ struct clamped_velocity {
         };
         return {fit(left), fit(right)};
     }
-    constexpr prepared_command plan(const cached_settings& cached) const {
-        return within(cached).plan(cached);
+    constexpr prepared_command prepare(const cached_settings& cached) const {
+        return within(cached).prepare(cached);
     }
 
   private:
@@ -245,7 +245,7 @@ struct clamped_velocity {
 struct torque {
     current left;
     current right;
-    constexpr prepared_command plan(const cached_settings& cached) const {
+    constexpr prepared_command prepare(const cached_settings& cached) const {
         prepared_command o = detail::set_pair<left_target_torque>(routines::torque, left, right, cached);
         o.refusal = detail::first_error(detail::needs(cached, operating_mode::torque), o.refusal);
         o.then = effect::motion;
@@ -256,8 +256,8 @@ struct torque {
 /// Torque mode: one wheel; the other keeps its target.
 struct left_torque {
     current left;
-    constexpr prepared_command plan(const cached_settings& cached) const {
-        prepared_command o = torque{left, {}}.plan(cached);
+    constexpr prepared_command prepare(const cached_settings& cached) const {
+        prepared_command o = torque{left, {}}.prepare(cached);
         o.steps = routines::left_torque;
         return o;
     }
@@ -265,8 +265,8 @@ struct left_torque {
 /// As `left_torque`, of the right wheel.
 struct right_torque {
     current right;
-    constexpr prepared_command plan(const cached_settings& cached) const {
-        prepared_command o = torque{right, {}}.plan(cached);
+    constexpr prepared_command prepare(const cached_settings& cached) const {
+        prepared_command o = torque{right, {}}.prepare(cached);
         o.steps = routines::right_torque;
         return o;
     }
@@ -297,7 +297,7 @@ inline constexpr std::int32_t farthest_place = 0x3FFF'FFFF;
 struct move_by {
     distance left;
     distance right;
-    constexpr prepared_command plan(const cached_settings& cached) const {
+    constexpr prepared_command prepare(const cached_settings& cached) const {
         return detail::move(routines::move_both, operating_mode::relative_position,
                             synchronisation::synchronous, cached, {left.count(), right.count()},
                             detail::longest_way);
@@ -306,7 +306,7 @@ struct move_by {
 /// Relative position mode, asynchronous: one wheel, while the other one is at rest or moves. Section 3.2.
 struct move_left_by {
     distance left;
-    constexpr prepared_command plan(const cached_settings& cached) const {
+    constexpr prepared_command prepare(const cached_settings& cached) const {
         return detail::move(routines::move_left, operating_mode::relative_position,
                             synchronisation::asynchronous, cached, {left.count(), 0}, detail::longest_way,
                             wheels::left);
@@ -315,7 +315,7 @@ struct move_left_by {
 /// As `move_left_by`, of the right wheel.
 struct move_right_by {
     distance right;
-    constexpr prepared_command plan(const cached_settings& cached) const {
+    constexpr prepared_command prepare(const cached_settings& cached) const {
         return detail::move(routines::move_right, operating_mode::relative_position,
                             synchronisation::asynchronous, cached, {right.count(), 0}, detail::longest_way,
                             wheels::right);
@@ -325,7 +325,7 @@ struct move_right_by {
 struct move_to {
     distance left;
     distance right;
-    constexpr prepared_command plan(const cached_settings& cached) const {
+    constexpr prepared_command prepare(const cached_settings& cached) const {
         return detail::move(routines::move_both, operating_mode::absolute_position,
                             synchronisation::synchronous, cached, {left.count(), right.count()},
                             detail::farthest_place);
@@ -334,7 +334,7 @@ struct move_to {
 /// Absolute position mode, asynchronous: one wheel.
 struct move_left_to {
     distance left;
-    constexpr prepared_command plan(const cached_settings& cached) const {
+    constexpr prepared_command prepare(const cached_settings& cached) const {
         return detail::move(routines::move_left, operating_mode::absolute_position,
                             synchronisation::asynchronous, cached, {left.count(), 0}, detail::farthest_place,
                             wheels::left);
@@ -343,7 +343,7 @@ struct move_left_to {
 /// As `move_left_to`, of the right wheel.
 struct move_right_to {
     distance right;
-    constexpr prepared_command plan(const cached_settings& cached) const {
+    constexpr prepared_command prepare(const cached_settings& cached) const {
         return detail::move(routines::move_right, operating_mode::absolute_position,
                             synchronisation::asynchronous, cached, {right.count(), 0}, detail::farthest_place,
                             wheels::right);
@@ -351,7 +351,7 @@ struct move_right_to {
 };
 
 /// Waits until both wheels stand.
-constexpr prepared_command plan(const wait_standstill& wanted, const cached_settings& cached) {
+constexpr prepared_command prepare(const wait_standstill& wanted, const cached_settings& cached) {
     return {.steps = routines::wait_standstill,
             .arguments = {static_cast<std::uint16_t>(wheels::both)},
             .refusal = detail::needs_init_done(cached),
@@ -364,7 +364,7 @@ struct wait_wheels_reached {
     zlac8015d::wheels which;
     duration limit = milliseconds(60'000);
 
-    constexpr prepared_command plan(const cached_settings& cached) const {
+    constexpr prepared_command prepare(const cached_settings& cached) const {
         return {.steps = routines::wait_reached,
                 .arguments = {static_cast<std::uint16_t>(which)},
                 .then = effect::arrived,
@@ -373,12 +373,12 @@ struct wait_wheels_reached {
     }
 };
 /// As `wait_wheels_reached`, of both wheels.
-constexpr prepared_command plan(const wait_reached& wanted, const cached_settings& cached) {
-    return wait_wheels_reached{wheels::both, wanted.limit}.plan(cached);
+constexpr prepared_command prepare(const wait_reached& wanted, const cached_settings& cached) {
+    return wait_wheels_reached{wheels::both, wanted.limit}.prepare(cached);
 }
 
 /// Reads state, faults, positions and speeds in one frame; `drive::feedback` has them.
-constexpr prepared_command plan(read_feedback, const cached_settings& cached) {
+constexpr prepared_command prepare(read_feedback, const cached_settings& cached) {
     return {.steps = routines::feedback, .then = effect::seen, .refusal = detail::needs_init_done(cached)};
 }
 

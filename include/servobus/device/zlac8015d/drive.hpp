@@ -102,8 +102,8 @@ template <class Line, class Model = model> class basic_drive : public facade<Mod
     /// Reads state, faults, positions and speeds in one frame. A fault on one wheel while the drive is
     /// enabled stops both before this returns.
     result<zlac8015d::feedback> read() {
-        const routine_status r = this->run(read_feedback{});
-        if (!r) return r.status;
+        const command_status r = this->run(read_feedback{});
+        if (!r) return servobus::status{r};
         return last_feedback();
     }
 

@@ -268,7 +268,7 @@ class model {
     // A shorter time of the drive's watchdog may be set all the same.
     constexpr void fail(prepared_command& c, const ending& e, const settings& known) {
         if (e.status.outcome() != outcome::unknown) {
-            if (c.then == effect::rescaled && !e.status.has_changed)
+            if (c.then == effect::rescaled && !e.status.has_changed())
                 to_power_cycle_ = 0; // it was not written
             return;
         }
@@ -280,7 +280,7 @@ class model {
             c.then = effect::none;
             c.stop = stop_priority::disable;
         }
-        if (c.then != effect::moved || e.status.step < routines::start_step) return;
+        if (c.then != effect::moved || e.status.step() < routines::start_step) return;
         goals_ = 0;
         motion_ = motion_check::unknown;
         if (known.state == drive_state::needs_init) return; // the positions are of before a restart

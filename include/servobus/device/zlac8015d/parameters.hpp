@@ -20,7 +20,7 @@ namespace servobus::zlac8015d {
 struct ramps {
     time acceleration;
     time deceleration;
-    constexpr prepared_command plan(const cached_settings& cached) const {
+    constexpr prepared_command prepare(const cached_settings& cached) const {
         prepared_command o =
             detail::set_pair<left_acceleration_time>(routines::ramps, acceleration, deceleration, cached);
         o.arguments = {o.arguments[0], o.arguments[0], o.arguments[1], o.arguments[1]};
@@ -31,7 +31,7 @@ struct ramps {
 /// Deceleration time of the quick stop, both wheels, 0..32767 ms.
 struct quick_stop_ramp {
     time deceleration;
-    constexpr prepared_command plan(const cached_settings& cached) const {
+    constexpr prepared_command prepare(const cached_settings& cached) const {
         return detail::set_pair<left_quick_stop_time>(routines::quick_stop_ramp, deceleration, deceleration,
                                                       cached);
     }
@@ -40,7 +40,7 @@ struct quick_stop_ramp {
 /// What a quick stop does, 2011h.
 struct quick_stop_by {
     quick_stop_option option;
-    constexpr prepared_command plan(const cached_settings& cached) const {
+    constexpr prepared_command prepare(const cached_settings& cached) const {
         return {.steps = routines::quick_stop_by,
                 .arguments = {static_cast<std::uint16_t>(option)},
                 .refusal = detail::first_error(detail::needs_init_done(cached),
@@ -51,7 +51,7 @@ struct quick_stop_by {
 /// Slope of the torque targets, both wheels, mA/s.
 struct torque_slope {
     current_slope slope;
-    constexpr prepared_command plan(const cached_settings& cached) const {
+    constexpr prepared_command prepare(const cached_settings& cached) const {
         return detail::set_pair<left_torque_slope>(routines::torque_slope, slope, slope, cached);
     }
 };
@@ -60,7 +60,7 @@ struct torque_slope {
 struct position_speed {
     speed left;
     speed right;
-    constexpr prepared_command plan(const cached_settings& cached) const {
+    constexpr prepared_command prepare(const cached_settings& cached) const {
         return detail::set_pair<left_max_speed>(routines::position_speed, left, right, cached);
     }
 };
@@ -72,7 +72,7 @@ struct brakes {
     brake right;
 
     constexpr brakes(brake at_left, brake at_right) : left{at_left}, right{at_right} {}
-    constexpr prepared_command plan(const cached_settings& cached) const {
+    constexpr prepared_command prepare(const cached_settings& cached) const {
         return {.steps = routines::brakes,
                 .arguments = {static_cast<std::uint16_t>(left), static_cast<std::uint16_t>(right)},
                 .refusal = detail::first_error(detail::needs_init_done(cached),
@@ -84,7 +84,7 @@ struct brakes {
 /// What the shafts do after the emergency-stop input, 2021h. Section 3.7.
 struct on_input_stop {
     input_stop_action action;
-    constexpr prepared_command plan(const cached_settings& cached) const {
+    constexpr prepared_command prepare(const cached_settings& cached) const {
         return {.steps = routines::input_stop,
                 .arguments = {static_cast<std::uint16_t>(action)},
                 .refusal = detail::first_error(detail::needs_init_done(cached),
@@ -95,7 +95,7 @@ struct on_input_stop {
 /// Parking mode, 200Ch.
 struct park {
     off_on parking;
-    constexpr prepared_command plan(const cached_settings& cached) const {
+    constexpr prepared_command prepare(const cached_settings& cached) const {
         return {.steps = routines::parking,
                 .arguments = {static_cast<std::uint16_t>(parking)},
                 .refusal = detail::first_error(detail::needs_init_done(cached),
@@ -108,7 +108,7 @@ struct park {
 /// `stopped_short` though the wheels are at their targets.
 struct clear_position {
     wheels of = wheels::both;
-    constexpr prepared_command plan(const cached_settings& cached) const {
+    constexpr prepared_command prepare(const cached_settings& cached) const {
         const auto which = static_cast<std::uint16_t>(of);
         return {.steps = routines::clear_positions,
                 .arguments = {which, which},
@@ -125,7 +125,7 @@ struct clear_position {
 /// once. Errors: `wrong_state` while enabled, `unexpected_value` if the mode does not change, since a wheel
 /// turns.
 struct save {
-    constexpr prepared_command plan(const cached_settings& cached) const {
+    constexpr prepared_command prepare(const cached_settings& cached) const {
         return {.steps = routines::save, .refusal = detail::needs_disabled(cached)};
     }
 };
@@ -137,7 +137,7 @@ using servobus::sole_drive_on_the_line;
 /// `resolution`.
 struct factory_reset {
     constexpr explicit factory_reset(sole_drive_on_the_line) {}
-    constexpr prepared_command plan(const cached_settings& cached) const {
+    constexpr prepared_command prepare(const cached_settings& cached) const {
         const bool is_rescaled = cached.resolution != speed_resolution.initial;
         return {.steps = is_rescaled ? routine{routines::reset_resolution} : routine{routines::factory_reset},
                 .then = is_rescaled ? effect::rescaled : effect::forgotten,
@@ -155,7 +155,7 @@ struct watchdog {
 
     constexpr watchdog(time after) : limit{after} {} // NOLINT: implicit, as a quantity converts to a time
     constexpr explicit watchdog(undocumented_zero) : limit{}, is_zero_by_name{true} {}
-    constexpr prepared_command plan(const cached_settings& cached) const {
+    constexpr prepared_command prepare(const cached_settings& cached) const {
         auto ms = detail::count_in<host_timeout>(limit);
         if (is_zero_by_name) ms.error = errc::ok;
         return {.steps = routines::set_host_timeout,
@@ -176,7 +176,7 @@ struct watchdog {
 /// since, which no register shows. The facade finds a power-on by the mode 200Dh: a client does not write it meanwhile.
 struct resolution {
     std::uint16_t n;
-    constexpr prepared_command plan(const cached_settings& cached) const {
+    constexpr prepared_command prepare(const cached_settings& cached) const {
         const errc wrong = speed_resolution.limits.contains(n) ? errc::ok : errc::out_of_range;
         const bool is_so = n == cached.resolution;
         return {.steps = is_so ? routine{routines::same_resolution} : routine{routines::set_resolution},

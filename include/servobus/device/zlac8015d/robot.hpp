@@ -30,8 +30,8 @@ struct twist_of {
     const twist& wanted;
     instant now;
 
-    constexpr robot_command plan(const cached_settings& cached) const {
-        return robot.plan(wanted, now, cached);
+    constexpr robot_command prepare(const cached_settings& cached) const {
+        return robot.prepare(wanted, now, cached);
     }
 };
 } // namespace detail
@@ -57,19 +57,19 @@ template <class Line> class robot : public basic_drive<Line, robot_model> {
     /// Velocity mode: changes the speeds of both wheels to those of a twist, within the limits, by a setpoint every
     /// 20 ms. It ends when the twist is ordered. Speeds are whole counts. Above the top speed, or 2008h, both wheels
     /// are slowed down by one factor, so that the path is kept. Errors: `wrong_state`, `needs_init`.
-    routine_status run(const twist& wanted) {
+    command_status run(const twist& wanted) {
         for (;;) {
             const instant begun = this->line().now();
-            const routine_status how = base::run(with_geometry(wanted));
+            const command_status how = base::run(with_geometry(wanted));
             if (!how || !is_changing_speed()) return how;
-            if (!shaped_speeds::pause(*this, begun)) return routine_status{errc::clock_stopped};
+            if (!shaped_speeds::pause(*this, begun)) return errc::clock_stopped;
         }
     }
     /// True for a command that its blocking call repeats until it is reached.
     template <class Wanted> static constexpr bool repeats = std::is_same_v<Wanted, twist>;
     /// Begins one setpoint on the way to a twist. A program begins its latest twist every 20 ms or so, as a
     /// `setpoint_loop` does. Errors likewise.
-    [[nodiscard]] constexpr errc begin(const twist& wanted) { return base::begin(with_geometry(wanted)); }
+    constexpr command_status begin(const twist& wanted) { return base::begin(with_geometry(wanted)); }
     /// True while the twist that was begun last is not reached: it is to be begun again.
     constexpr bool is_changing_speed() const {
         return this->model().is_changing() && this->state() == drive_state::enabled;

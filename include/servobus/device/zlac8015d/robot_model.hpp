@@ -56,7 +56,8 @@ class robot_model : public counted_model {
         acceleration_ = static_cast<std::uint8_t>((more + 999u) / 1000u);
     }
     /// The setpoint that is begun now on the way to a twist, as a command in velocity mode.
-    constexpr prepared_command plan(const twist& wanted, instant now, const cached_settings& cached) const {
+    constexpr prepared_command prepare(const twist& wanted, instant now,
+                                       const cached_settings& cached) const {
         const std::uint32_t limit = limit_in(cached);
         const wheel_speeds both = base_->wheels(wanted, cached.resolution, limit == 0 ? 1 : limit);
         const measured_speeds seen{last_.left.speed, last_.right.speed};

@@ -96,7 +96,7 @@ constexpr bool changes_counts(std::uint16_t address) {
 /// the drive is disabled and both wheels stand (`wrong_state`, `busy`). After the encoder lines (2030h) the state is
 /// `needs_init`, since a turn has another number of counts.
 template <const auto& R>
-constexpr prepared_command plan(const set<R>& wanted, const cached_settings& cached) {
+constexpr prepared_command prepare(const set<R>& wanted, const cached_settings& cached) {
     detail::check_settable<R>();
     constexpr bool is_tuned = detail::may_be_tuned(R.address);
     const errc state = is_tuned ? detail::needs_init_done(cached) : detail::needs_disabled(cached);
@@ -116,7 +116,7 @@ constexpr prepared_command plan(const set<R>& wanted, const cached_settings& cac
                 .refusal = refusal};
     }
 }
-template <const auto& R> constexpr prepared_command plan(const keep<R>&, const cached_settings&) {
+template <const auto& R> constexpr prepared_command prepare(const keep<R>&, const cached_settings&) {
     static_assert(row_type<R>::words == 0,
                   "this drive keeps all its parameters together: set this one, then save{}");
     return {.steps = no_steps};
@@ -128,7 +128,7 @@ struct current_limits {
     current rated;
     current most;
 
-    constexpr prepared_command plan(const cached_settings& cached) const {
+    constexpr prepared_command prepare(const cached_settings& cached) const {
         const auto r = detail::count_in<left_rated_current>(rated);
         const auto m = detail::count_in<left_max_current>(most);
         return {.steps = routines::current_limits,

@@ -12,7 +12,7 @@
 
 #include <cstdint>
 
-#include <servobus/control/wiring_status.hpp>
+#include <servobus/control/wiring.hpp>
 #include <servobus/device/zlac8015d/single_parameters.hpp>
 
 namespace servobus::zlac8015d {
@@ -20,25 +20,25 @@ namespace servobus::zlac8015d {
 namespace detail {
 /// Sets the function of terminal `R`, if it is named.
 template <const auto& R, class Function, class Run>
-constexpr wiring_status wire(const wired<Function>& to, Run& run) {
+constexpr command_status wire(const wired<Function>& to, Run& run) {
     if (to.word() == wired<Function>::as_it_is) return {};
-    const routine_status how = run(set<R>{checked(static_cast<Function>(to.word()))});
-    return {how, how ? std::uint16_t{0} : R.address};
+    const command_status how = run(set<R>{checked(static_cast<Function>(to.word()))});
+    return how ? how : how.at_terminal(R.address);
 }
 } // namespace detail
 
 /// Gives the inputs their functions, 2017h and 2018h; while disabled, at standstill. Both may stop the drive. An input
-/// that is not named keeps its function. Waits. Errors: as of `set`, at `terminal()`.
+/// that is not named keeps its function. Waits. Errors: as of `set`, at `register_address()`.
 struct wire_inputs {
     wired<input_function> x0{};
     wired<input_function> x1{};
 
-    using status_of_parts = wiring_status;
-    template <class Drive, class Run> constexpr wiring_status run_by(const Drive&, Run&& run) const {
-        const wiring_status first = detail::wire<x0_function>(x0, run);
+    static constexpr bool is_made_of_commands = true;
+    template <class Drive, class Run> constexpr command_status run_by(const Drive&, Run&& run) const {
+        const command_status first = detail::wire<x0_function>(x0, run);
         return first ? detail::wire<x1_function>(x1, run) : first;
     }
-    template <class Known> constexpr prepared_command plan(const Known&) const {
+    template <class Known> constexpr prepared_command prepare(const Known&) const {
         commands::is_run_by_a_facade<Known>();
         return {.steps = no_steps};
     }
@@ -50,12 +50,12 @@ struct wire_outputs {
     wired<output_function> y0{};
     wired<output_function> y1{};
 
-    using status_of_parts = wiring_status;
-    template <class Drive, class Run> constexpr wiring_status run_by(const Drive&, Run&& run) const {
-        const wiring_status first = detail::wire<y0_function>(y0, run);
+    static constexpr bool is_made_of_commands = true;
+    template <class Drive, class Run> constexpr command_status run_by(const Drive&, Run&& run) const {
+        const command_status first = detail::wire<y0_function>(y0, run);
         return first ? detail::wire<y1_function>(y1, run) : first;
     }
-    template <class Known> constexpr prepared_command plan(const Known&) const {
+    template <class Known> constexpr prepared_command prepare(const Known&) const {
         commands::is_run_by_a_facade<Known>();
         return {.steps = no_steps};
     }

@@ -13,8 +13,8 @@
 #include <cstdint>
 #include <type_traits>
 
+#include <servobus/control/command_status.hpp>
 #include <servobus/control/common_commands.hpp>
-#include <servobus/control/routine_status.hpp>
 #include <servobus/control/states.hpp>
 #include <servobus/sim/conformance/expected.hpp>
 #include <servobus/sim/conformance/finding.hpp>
@@ -83,7 +83,7 @@ template <class Subject> class conformance_judge {
         send("kit", "so many findings are enough: nothing else is played");
     }
     /// Reports a failed command that leads to the start of the one that is judged.
-    void must(const routine_status& r) {
+    void must(const command_status& r) {
         if (!r) broken("kit", "a command that leads to the start of a run fails on an undisturbed line");
     }
 

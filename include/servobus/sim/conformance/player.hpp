@@ -15,9 +15,9 @@
 #include <cstdint>
 #include <type_traits>
 
+#include <servobus/control/command_status.hpp>
 #include <servobus/control/common_commands.hpp>
 #include <servobus/control/facade.hpp>
-#include <servobus/control/routine_status.hpp>
 #include <servobus/control/states.hpp>
 #include <servobus/core/status.hpp>
 #include <servobus/core/time.hpp>
@@ -157,7 +157,7 @@ template <class Subject> class conformance_player {
                 } else {
                     if (!judge_.can_be_done("enable")) return;
                     start.run(disable{});
-                    const routine_status enabled = t.run(enabled_by);
+                    const command_status enabled = t.run(enabled_by);
                     if (judge_.can_be_done(name)) judge_.must(enabled);
                 }
                 play_command(t, name, wanted, does);
@@ -212,10 +212,10 @@ template <class Subject> class conformance_player {
     template <class Command> void judge_kind(trial_type& t, const Command& wanted) {
         if constexpr (requires {
                           detail::model_of_facade(t.drive());
-                          wanted.plan(t.drive().cached());
+                          wanted.prepare(t.drive().cached());
                       }) {
             using model = decltype(detail::model_of_facade(t.drive()));
-            const command_kind kind = model::kinds[wanted.plan(t.drive().cached()).then];
+            const command_kind kind = model::kinds[wanted.prepare(t.drive().cached()).then];
             if (kind != command_kind::endless_motion && kind != command_kind::move)
                 judge_.broken("kit", "the command moves the motor, and its effect is of no kind of motion");
         }
@@ -231,8 +231,7 @@ template <class Subject> class conformance_player {
         const std::int64_t goal = does.goal_from(t.place());
         const bool begins_itself = does.is_motion() && !does.ends_at_goal(); // a homing may be a follow-up
         if (begins_itself && judge_.is_undisturbed() && judge_.can_be_done(name)) judge_kind(t, wanted);
-        const errc refused = t.drive().begin(wanted);
-        if (refused != errc::ok) {
+        if (!t.drive().begin(wanted)) {
             if (!judge_.can_be_done(name)) return;
             judge_.broken("kit", "a command is refused in the state in which it is to be played");
             return;
@@ -247,7 +246,7 @@ template <class Subject> class conformance_player {
         if (t.is_stop_refused() && judge_.can_be_done(name) && now.first.what == mishap::program_disables &&
             !std::is_same_v<Command, disable> && !std::is_same_v<Command, quick_stop>)
             judge_.broken("G25", "a disable is refused while another command is under way");
-        const routine_status& r = t.drive().last();
+        const command_status& r = t.drive().last();
         const bool is_replaced =
             t.has_happened(mishap::program_halts) || t.has_happened(mishap::program_disables);
         if (judge_.is_undisturbed() && !r && judge_.can_be_done(name)) {

@@ -13,8 +13,8 @@
 #include <cstdint>
 #include <span>
 
+#include <servobus/control/command_status.hpp>
 #include <servobus/control/common_commands.hpp>
-#include <servobus/control/routine_status.hpp>
 #include <servobus/control/states.hpp>
 #include <servobus/control/supervision.hpp>
 #include <servobus/line/line.hpp>
@@ -96,10 +96,9 @@ template <class Subject> class trial {
         const std::uint64_t end = wire_.time_us() + time.us;
         while (wire_.time_us() < end) turn();
     }
-    template <class Command> routine_status run(const Command& wanted) {
-        const errc refused = drive_.begin(wanted);
-        if (refused != errc::ok) return routine_status{refused};
-        if (!finish()) return routine_status{errc::clock_stopped};
+    template <class Command> command_status run(const Command& wanted) {
+        if (const command_status begun = drive_.begin(wanted); !begun) return begun;
+        if (!finish()) return errc::clock_stopped;
         return drive_.last();
     }
 

@@ -1,39 +1,20 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// How the wiring of a drive's terminals ended, and at which terminal. The `wiring.hpp` of a device includes it.
+// The functions that a wiring gives to a drive's terminals, and in which order it writes them. The `wiring.hpp` of a
+// device includes it.
 //
-//     const wiring_status got = wheels.run(zlac8015d::wire_inputs{.x0 = zlac8015d::input_function::undefined});
-//     if (!got) std::printf("%s, at %04Xh\n", text(got.error()), unsigned{got.terminal()});
+//     const command_status got = wheels.run(zlac8015d::wire_inputs{.x0 = zlac8015d::input_function::undefined});
+//     if (!got) std::printf("%s, at %04Xh\n", text(got.error()), got.register_address());
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
 
-#include <servobus/control/routine_status.hpp>
+#include <servobus/control/command_status.hpp>
 #include <servobus/core/slice.hpp>
 
 namespace servobus {
-
-/// The end of a wiring. `unknown`: some terminals have their functions, and others perhaps not.
-class [[nodiscard]] wiring_status {
-  public:
-    constexpr wiring_status() = default;
-    constexpr wiring_status(const routine_status& how, std::uint16_t terminal = 0) // NOLINT: implicit
-        : how_{how}, terminal_{terminal} {}
-
-    constexpr explicit operator bool() const { return static_cast<bool>(how_); }
-    constexpr errc error() const { return how_.error(); }
-    constexpr servobus::outcome outcome() const { return how_.outcome(); }
-    constexpr routine_status status() const { return how_; }
-    /// The address of the register of the terminal at which it ended: the one that has the function already, or that
-    /// was to get it. 0: at none.
-    constexpr std::uint16_t terminal() const { return terminal_; }
-
-  private:
-    routine_status how_{};
-    std::uint16_t terminal_ = 0;
-};
 
 /// A function for a terminal. Made of nothing, the terminal keeps its own.
 template <class Function> class wired {
@@ -100,12 +81,12 @@ class wiring {
         return true;
     }
     /// Calls `put(i, function)` for each terminal that is freed, then for each that is assigned, until one fails.
-    template <class Put> constexpr routine_status each(Put&& put) const {
+    template <class Put> constexpr command_status each(Put&& put) const {
         for (unsigned pass = 0; pass < 2; ++pass) {
             const bool assigns = pass == 1;
             for (std::size_t i = 0; i < size_; ++i) {
                 if (assigns ? !is_assigned(i) : !is_freed(i)) continue;
-                const routine_status how = put(i, assigns ? wanted_[i] : std::uint16_t{0});
+                const command_status how = put(i, assigns ? wanted_[i] : std::uint16_t{0});
                 if (!how) return how;
             }
         }
