@@ -17,6 +17,7 @@
 
 #include <servobus/core/text.hpp>
 #include <servobus/registers/catalogue.hpp>
+#include <servobus/registers/quantity_text.hpp>
 
 namespace servobus {
 
@@ -25,45 +26,6 @@ enum class value_format : std::uint8_t {
     words,  ///< with spaces: `relative position`
     tokens, ///< without spaces, for scripts: `relative_position`
 };
-
-namespace detail {
-/// A unit as `factor / 10^decimals`; `is_decimal` is false if that takes more than 6 decimals.
-struct decimal_scale {
-    std::int64_t factor = 1;
-    unsigned decimals = 0;
-    bool is_decimal = true;
-};
-
-constexpr decimal_scale decimal_of(unit u) {
-    const std::int64_t common = common_divisor(u.numerator, u.denominator);
-    std::int64_t numerator = u.numerator / common;
-    const std::int64_t denominator = u.denominator / common;
-    for (unsigned decimals = 0; decimals <= 6; ++decimals) {
-        if (numerator % denominator == 0) return {numerator / denominator, decimals, true};
-        numerator *= 10;
-    }
-    return {1, 0, false};
-}
-
-} // namespace detail
-
-/// Writes `count` counts of `u` without the unit's symbol: `12.5`, or `1/3` if the unit is no decimal
-/// fraction.
-constexpr void put_count(text_writer& out, std::int64_t count, unit u) {
-    const detail::decimal_scale scale = detail::decimal_of(u);
-    if (scale.is_decimal) {
-        out.scaled(count * scale.factor, scale.decimals);
-    } else {
-        out.number(count * u.numerator) << '/';
-        out.number(u.denominator);
-    }
-}
-
-namespace detail {
-constexpr void put_symbol(text_writer& out, unit u) {
-    if (u.of != measure::none) out << ' ' << symbol(u.of);
-}
-} // namespace detail
 
 /// Writes a raw count with the register's scale and unit: `12.5 A`.
 constexpr void put_quantity(text_writer& out, const entry& e, std::int64_t count) {

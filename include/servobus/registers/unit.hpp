@@ -260,6 +260,18 @@ template <unit U, std::integral Rep = std::int32_t> class quantity {
     Rep count_{};
 };
 
+/// A time of a clock against a quantity of time: `since(began, now) > 500_ms`. Exact; no quantity is limited for it.
+template <unit U, std::integral Rep>
+requires(detail::same_kind(U, detail::of_durations)) constexpr auto operator<=>(duration a,
+                                                                                quantity<U, Rep> b) {
+    return quantity<detail::of_durations, std::int64_t>{a.us} <=> b;
+}
+template <unit U, std::integral Rep>
+requires(detail::same_kind(U, detail::of_durations)) constexpr bool operator==(duration a,
+                                                                               quantity<U, Rep> b) {
+    return (a <=> b) == 0;
+}
+
 /// Does not compile: the count would be rounded.
 template <unit U, std::integral Rep, std::integral N>
 constexpr quantity<U, Rep> operator/(quantity<U, Rep> whole, N) {
