@@ -32,7 +32,7 @@ struct servo_machine {
     static void print(const feedback& f) {
         const servobus::c630s::alarm* alarm = f.alarm();
         std::printf("   %6.1f r/min %9ld units %6ld behind  %-40s\n", f.fine_speed.count() / 10.0,
-                    static_cast<long>(f.position.count()), static_cast<long>(f.deviation.count()),
+                    static_cast<long>(f.position.count()), static_cast<long>(f.following_error.count()),
                     alarm != nullptr ? alarm->name : "");
     }
 

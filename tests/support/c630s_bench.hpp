@@ -82,7 +82,7 @@ struct bench : tests::model_bench<sim::c630s> {
         for (const in f : functions) {
             const bool is_edge = f == in::alarm_reset || f == in::step_enable ||
                                  f == in::position_segment_start || f == in::homing_start ||
-                                 f == in::clear_position_deviation;
+                                 f == in::clear_following_error;
             set(map::virtual_input_functions[n], f);
             set(map::virtual_input_logics[n], is_edge ? 1 : 0);
             ++n;

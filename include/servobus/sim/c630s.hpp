@@ -349,8 +349,8 @@ class c630s : private detail::c630s_core {
         show(coolmay::electrical_angle, in_turn % (turn / 5) * 360 / (turn / 5));
         show(coolmay::command_pulses, to_reference(command_.position() - powered_at_));
         show(coolmay::input_position_command, to_reference(command_.position() - powered_at_));
-        show(coolmay::encoder_position_deviation, deviation());
-        show(coolmay::position_deviation, to_reference(deviation()));
+        show(coolmay::encoder_following_error, deviation());
+        show(coolmay::following_error, to_reference(deviation()));
         show(coolmay::feedback_pulses, at - powered_at_);
         show(coolmay::encoder_revolutions, (absolute - in_turn) / turn);
         show(coolmay::encoder_position_in_revolution, in_turn);

@@ -98,7 +98,7 @@ TEST_CASE("6.1.3: the manual's example of 80000 units, and moves by each of the 
         REQUIRE(r.drive.read());
         at += way.count();
         CHECK(is_about(r.drive.feedback(milliseconds(2000))->position.count(), at));
-        CHECK(r.drive.feedback(milliseconds(2000))->deviation.count() == 0);
+        CHECK(r.drive.feedback(milliseconds(2000))->following_error.count() == 0);
     }
     CHECK(r.model.starts() == 16);
     CHECK(r.drive.run(segment{checked(17), 1 * reference_unit, 1 * r_per_min}).error() == errc::bad_argument);

@@ -101,7 +101,7 @@ TEST_CASE("a C630S's feedback, fault records and wide positions have each of the
     CHECK(f->torque.count() == 0x0B02);
     CHECK(f->wired_inputs.to_word() == (0x0B03 & c630s::inputs::from_word(0xFFFF).to_word()));
     CHECK(f->position.count() == 0x0B08'0B07); // the low word first
-    CHECK(f->deviation.count() == 0x0B36'0B35);
+    CHECK(f->following_error.count() == 0x0B36'0B35);
     CHECK(f->fine_speed.count() == 0x0B38'0B37);
     CHECK(f->alarm_code == 0); // of another record than the present one
     r.model.show(0x0B22, 0x0B22);

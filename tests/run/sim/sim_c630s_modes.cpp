@@ -368,11 +368,11 @@ TEST_CASE("P05-39: the second gear takes effect immediately, or when the command
 
 TEST_CASE("FunIN.35 without a deviation changes nothing") {
     bench b;
-    b.begin_segments(map::segment_mode::single, {in::clear_position_deviation});
+    b.begin_segments(map::segment_mode::single, {in::clear_following_error});
     b.virtual_levels(1 | 4);
     b.run(10);
     CHECK(b.drive.position() == 0);
-    CHECK(b.get(map::position_deviation) == 0);
+    CHECK(b.get(map::following_error) == 0);
     b.start(4);
     b.run_until_still();
     CHECK(b.drive.position() == turn);
@@ -382,7 +382,7 @@ TEST_CASE("a shaft that is unblocked catches up with its command in both directi
     for (const int way : {1, -1}) {
         bench b;
         b.set(map::stall_protection, 0);
-        b.set(map::position_deviation_limit, 1'000'000'000);
+        b.set(map::following_error_limit, 1'000'000'000);
         b.begin_segments(map::segment_mode::single);
         b.set(map::position_segment_displacements[0], 50'000 * way);
         b.set(map::position_segment_speeds[0], 3000);
@@ -405,15 +405,15 @@ TEST_CASE("if a stop ends the move of a blocked shaft, its command becomes its p
         bench b;
         b.set(map::stall_protection, 0);
         b.begin_segments(map::segment_mode::single, {in::emergency_stop, in::jog_forward});
-        b.set(map::position_deviation_limit, 1'000'000'000);
+        b.set(map::following_error_limit, 1'000'000'000);
         b.set(map::jog_speed, 0);
         b.drive.block_shaft(true);
         b.start();
         b.run(50);
-        REQUIRE(b.get(map::encoder_position_deviation) != 0);
+        REQUIRE(b.get(map::encoder_following_error) != 0);
         b.virtual_levels(is_jog ? 9 : 5);
         b.run(2);
-        CHECK(b.get(map::encoder_position_deviation) == 0);
+        CHECK(b.get(map::encoder_following_error) == 0);
         b.drive.block_shaft(false);
         b.run(500);
         CHECK(b.drive.position() == 0);
@@ -425,7 +425,7 @@ TEST_CASE("P0A-17: the deviation limit of Er.B00 is in encoder counts or in refe
         bench b;
         b.set(map::stall_protection, 0);
         b.set(map::position_setting_unit, node_address);
-        b.set(map::position_deviation_limit, 20'000); // two turns in units, a seventh of one in counts
+        b.set(map::following_error_limit, 20'000); // two turns in units, a seventh of one in counts
         b.begin_segments(map::segment_mode::single);
         b.drive.block_shaft(true);
         b.start();
@@ -444,7 +444,7 @@ TEST_CASE("P05-20 = 3: COIN ends because of the deviation after P05-60") {
     b.run(1);
     b.start();
     b.run(40);
-    CHECK(b.get(map::position_deviation) > b.drive.in_force(map::positioning_completed_threshold.address));
+    CHECK(b.get(map::following_error) > b.drive.in_force(map::positioning_completed_threshold.address));
     CHECK(b.drive.is_active(out::positioning_completed));
     b.run(30);
     CHECK_FALSE(b.drive.is_active(out::positioning_completed));
@@ -507,7 +507,7 @@ TEST_CASE("homing between two active limits ends at its time limit with Er.601")
 TEST_CASE("homing on Z continues after a blocked shaft is released, and ignores every Z that it passes while "
           "reversing") {
     searching b{2, -100 * turn, 100 * turn};
-    b.set(map::position_deviation_limit, 1'000'000'000);
+    b.set(map::following_error_limit, 1'000'000'000);
     b.set(map::stall_protection, 0);
     b.set(map::homing_low_speed, 600);
     b.set(map::homing_acceleration_time, 1000);

@@ -59,7 +59,7 @@ TEST_CASE("a segment that inputs select is moved once for each edge") {
     CHECK(b.drive.is_active(out::positioning_completed)); // still active, easily misread
     b.run(20);
     CHECK_FALSE(b.drive.is_active(out::positioning_completed));
-    CHECK(b.get(map::position_deviation) > 0);
+    CHECK(b.get(map::following_error) > 0);
     b.start(8); // lost
     b.run_until_still();
     CHECK(b.drive.position() == 8 * turn);
@@ -198,21 +198,21 @@ TEST_CASE("pulses move the motor unless they are inhibited") {
 TEST_CASE("a blocked shaft causes a deviation, Er.630 or Er.B00; FunIN.35 clears the deviation") {
     bench b;
     b.set(map::stall_protection, 0);
-    b.begin_segments(map::segment_mode::single, {in::clear_position_deviation});
+    b.begin_segments(map::segment_mode::single, {in::clear_following_error});
     b.drive.block_shaft(true);
     b.start();
     b.run(2000);
-    CHECK(b.get(map::position_deviation) == 10'000);
-    CHECK(b.get(map::encoder_position_deviation) == turn);
+    CHECK(b.get(map::following_error) == 10'000);
+    CHECK(b.get(map::encoder_following_error) == turn);
     CHECK_FALSE(b.drive.is_active(out::positioning_completed));
     b.virtual_levels(5);
     b.run(2);
-    CHECK(b.get(map::position_deviation) == 0);
+    CHECK(b.get(map::following_error) == 0);
     b.drive.block_shaft(false);
     b.run(100);
     CHECK(b.drive.position() == 0);
     b.drive.block_shaft(true);
-    b.set(map::position_deviation_limit, 50'000);
+    b.set(map::following_error_limit, 50'000);
     b.virtual_levels(1);
     b.start();
     b.run(2000);

@@ -76,7 +76,7 @@ inline constexpr alarm alarms[] = {
     {0xA33, alarm_class::fault,   false, "encoder data abnormal"},                      // Er.A33 编码器数据异常
     {0xA34, alarm_class::fault,   false, "encoder echo check failed"},                  // Er.A34 编码器回送校验异常
     {0xA35, alarm_class::fault,   false, "z signal lost"},                              // Er.A35 Z 信号丢失
-    {0xB00, alarm_class::fault,   true,  "position deviation too large"},               // Er.B00 位置偏差过大
+    {0xB00, alarm_class::fault,   true,  "following error too large"},               // Er.B00 位置偏差过大
     {0xB01, alarm_class::fault,   true,  "pulse input abnormal"},                       // Er.B01 脉冲输入异常
     {0xB03, alarm_class::fault,   true,  "electronic gear out of range"},               // Er.B03 电子齿轮比设定超限
     {0x110, alarm_class::warning, true,  "divided pulse output setting"},               // Er.110 分频脉冲输出设定故障

@@ -27,9 +27,9 @@ struct feedback {
     reading<speed_command> commanded_speed{};
     reading<torque_command> torque{}; ///< 0.1 % of the rated torque
     inputs wired_inputs{};
-    reading<absolute_position> position{};   ///< reference units
-    reading<position_deviation> deviation{}; ///< reference units
-    reading<fine_actual_speed> fine_speed{}; ///< 0.1 r/min
+    reading<absolute_position> position{};             ///< reference units
+    reading<c630s::following_error> following_error{}; ///< reference units
+    reading<fine_actual_speed> fine_speed{};           ///< 0.1 r/min
     u16 alarm_code = 0; ///< the present one, 0x101 for Er.101 [errata C17]; 0 if another record is chosen
 
     static constexpr std::size_t size = routines::record_place + 2u; ///< words
@@ -52,7 +52,7 @@ struct feedback {
         f.torque = reading_of<torque_command>(w[speed_place + 2u]);
         f.wired_inputs = c630s::inputs::from_word(w[speed_place + 3u]);
         f.position = reading_of<absolute_position>(pair(position_place));
-        f.deviation = reading_of<position_deviation>(pair(deviation_place));
+        f.following_error = reading_of<c630s::following_error>(pair(deviation_place));
         f.fine_speed = reading_of<fine_actual_speed>(pair(deviation_place + 2u));
         if (w[record_place] == detail::as_word(fault_record::current)) f.alarm_code = w[record_place + 1u];
         return f;

@@ -51,7 +51,7 @@ enum class input_function : std::uint16_t {
     homing_start = 32,             ///< HomingStart; an edge
     interrupt_inhibit = 33,        ///< XintInhibit: no interrupt positioning; a level
     emergency_stop = 34,           ///< EmergencyStop: zero speed, then the position is held
-    clear_position_deviation = 35, ///< ClrPosErr; an edge [errata C25]
+    clear_following_error = 35,    ///< ClrPosErr; an edge [errata C25]
     speed_limit_selection = 36,    ///< V_LmtSel: P07-19 instead of P07-20, if P07-17 is 2
     pulse_inhibit = 37,            ///< PulseInhibit
     set_home = 38,                 ///< the current position is home; an edge [errata C14, C24]

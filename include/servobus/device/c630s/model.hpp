@@ -42,7 +42,7 @@ class model {
     using states = image_of<virtual_output_levels>;
     using motions = image_of<actual_speed, speed_command, torque_command, input_state>;
     using position = image_of<absolute_position>;
-    using deviation = image_of<position_deviation, fine_actual_speed>;
+    using deviation = image_of<following_error, fine_actual_speed>;
     using alarm = image_of<selected_fault_record, recorded_alarm>;
     static constexpr std::uint8_t position_block = 2;
     static constexpr feedback_blocks blocks =

@@ -117,7 +117,7 @@ inline constexpr named_value gain_mode_names[] = {
 };
 inline constexpr named_value gain_condition_names[] = {
     code(0, "first set"), code(1, "by input"), code(2, "torque command"), code(3, "speed command"),
-    code(4, "speed command change"), code(5, "speed command thresholds"), code(6, "position deviation"),
+    code(4, "speed command change"), code(5, "speed command thresholds"), code(6, "following error"),
     code(7, "position command"), code(8, "positioning completed"), code(9, "actual speed"),
     code(10, "position command and actual speed"),
 };
@@ -200,7 +200,7 @@ inline constexpr named_value input_function_names[] = {
     code(22, "handwheel multiplier 2"), code(23, "handwheel enable"), code(24, "gear selection"),
     code(25, "torque direction"), code(26, "speed direction"), code(27, "position direction"),
     code(28, "position segment start"), code(31, "home switch"), code(32, "homing start"),
-    code(33, "interrupt inhibit"), code(34, "emergency stop"), code(35, "clear position deviation"),
+    code(33, "interrupt inhibit"), code(34, "emergency stop"), code(35, "clear following error"),
     code(36, "speed limit selection"), code(37, "pulse inhibit"), code(38, "set home"),
 };
 inline constexpr named_value output_function_names[] = {
@@ -241,7 +241,7 @@ inline constexpr named_value input_function_bits_17_to_32[] = {
 };
 inline constexpr named_value input_function_bits_33_to_48[] = {
     named_bit(0x0001, "interrupt inhibit"), named_bit(0x0002, "emergency stop"),
-    named_bit(0x0004, "clear position deviation"), named_bit(0x0008, "speed limit selection"),
+    named_bit(0x0004, "clear following error"), named_bit(0x0008, "speed limit selection"),
     named_bit(0x0010, "pulse inhibit"), named_bit(0x0020, "set home"),
 };
 inline constexpr named_value output_function_bits_1_to_16[] = {

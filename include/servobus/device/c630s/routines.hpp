@@ -314,7 +314,7 @@ inline constexpr step post_check[] = {
 
 inline constexpr step before_start[] = {
     wears_nothing, must_be_healthy, still_enabled, must_stand, steps::fetch<absolute_position>(before_word),
-    steps::fetch<position_deviation>(deviation_before_word)};
+    steps::fetch<following_error>(deviation_before_word)};
 /// Section 6.1.3. Argument 0: P31-00 as it is; 1: with the segment; 2: with the start too; 3: P05-00. A level
 /// holds for an exchange that reads it back, 6 ms at least at 57600 Bd.
 inline constexpr step start_now[] = {
@@ -359,7 +359,7 @@ inline constexpr step jog[] = {
 /// Words that show where a move has ended, and why.
 enum arrival_word : std::uint8_t { place_word = 10, deviation_word = 12, cause_word = 14 };
 inline constexpr step look_at_place[] = {
-    steps::fetch<absolute_position>(place_word), steps::fetch<position_deviation>(deviation_word),
+    steps::fetch<absolute_position>(place_word), steps::fetch<following_error>(deviation_word),
     steps::fetch<selected_fault_record, recorded_alarm>(cause_word)};
 /// Completed by the drive's own judgement (P05-20, P05-21), or pressed at its torque limit; and standing.
 inline constexpr step until_ended[] = {

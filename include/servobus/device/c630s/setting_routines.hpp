@@ -111,7 +111,7 @@ enum feedback_word : std::uint8_t { status_place, speed_place, position_place = 
 inline constexpr step fetch_status    = steps::fetch<virtual_output_levels>(status_place);
 inline constexpr step fetch_motion    = steps::fetch<actual_speed, speed_command, torque_command, input_state>(speed_place);
 inline constexpr step fetch_position  = steps::fetch<absolute_position>(position_place);
-inline constexpr step fetch_deviation = steps::fetch<position_deviation, fine_actual_speed>(deviation_place);
+inline constexpr step fetch_deviation = steps::fetch<following_error, fine_actual_speed>(deviation_place);
 inline constexpr step fetch_alarm     = steps::fetch<selected_fault_record, recorded_alarm>(record_place);
 
 /// The status comes last: it shows that the position before it is not of a restarted drive.

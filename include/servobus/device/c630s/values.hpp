@@ -127,7 +127,7 @@ enum class pulse_form : std::uint16_t {
     cw_and_ccw = 4,
 };
 
-/// P05-16: when the position deviation is cleared.
+/// P05-16: when the following error is cleared.
 enum class deviation_clearing : std::uint16_t {
     servo_off_or_fault = 0,
     fault_or_warning = 1,
@@ -238,7 +238,7 @@ enum class gain_condition : std::uint16_t {
     speed_command = 3,
     speed_command_change = 4,
     speed_command_thresholds = 5,
-    position_deviation = 6,
+    following_error = 6,
     position_command = 7,
     positioning_completed = 8,
     actual_speed = 9,

@@ -91,7 +91,7 @@ class c630s_plant {
         inputs_.drive(function::negative_overtravel, at <= machine_.negative_limit, memory_);
     }
 
-    /// The position deviation: the real one, plus a lag of 25 ms at the commanded speed.
+    /// The following error: the real one, plus a lag of 25 ms at the commanded speed.
     constexpr std::int64_t deviation() const {
         return command_.position() - motor_.position() +
                command_.speed() * shaft::counts_per_turn / (60'000'000 * std::int64_t{40});

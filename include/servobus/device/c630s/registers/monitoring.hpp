@@ -40,7 +40,7 @@ inline constexpr ro<u16>          average_load                   {"P0B-12"_p, fu
 /// P0B-13 输入指令脉冲计数器  reference units, shown, P
 inline constexpr ro<i32>          command_pulses                 {"P0B-13"_p, full<i32>, reference_unit, no_default, position_mode};
 /// P0B-15 编码器位置偏差计数器  encoder counts, shown, P [errata C42, C47]
-inline constexpr ro<i32>          encoder_position_deviation     {"P0B-15"_p, full<i32>, count,          no_default, position_mode};
+inline constexpr ro<i32>          encoder_following_error        {"P0B-15"_p, full<i32>, count,          no_default, position_mode};
 /// P0B-17 反馈脉冲计数器  encoder counts, shown, PST [errata C42]
 inline constexpr ro<i32>          feedback_pulses                {"P0B-17"_p, full<i32>, count,          no_default, pst_modes};
 /// P0B-19 总上电时间  s, shown, PST [errata C44]
@@ -74,7 +74,7 @@ inline constexpr ro<inputs>       recorded_inputs                {"P0B-41"_p, un
 /// P0B-42 所选故障时输出端子状态  shown, PST
 inline constexpr ro<outputs>      recorded_outputs               {"P0B-42"_p, unstated,  no_unit,        no_default, pst_modes};
 /// P0B-53 位置偏差计数器  reference units, shown, P [errata C47]
-inline constexpr ro<i32>          position_deviation             {"P0B-53"_p, full<i32>, reference_unit, no_default, position_mode};
+inline constexpr ro<i32>          following_error                {"P0B-53"_p, full<i32>, reference_unit, no_default, position_mode};
 /// P0B-55 实际电机转速  0.1 rpm, shown, PST [errata C46]
 inline constexpr ro<i32>          fine_actual_speed              {"P0B-55"_p, full<i32>, r_per_min / 10, no_default, pst_modes};
 /// P0B-58 机械绝对位置(低32位)  encoder counts, default 0, shown, ALL

@@ -38,7 +38,7 @@ inline constexpr rw<u32>                 gear_2_denominator                {"P05
 /// P05-15 脉冲指令形态  0, 1, 2, 4, default 0, stopped, power cycle, P [errata C31]
 inline constexpr rw<pulse_form>          pulse_command_form                {"P05-15"_p, {0, 4},                    no_unit,              0,       stopped_from_power_on | position_mode};
 /// P05-16 清除动作选择  0..2, default 0, stopped, immediate, P
-inline constexpr rw<deviation_clearing>  position_deviation_clearing       {"P05-16"_p, {0, 2},                    no_unit,              0,       stopped_now | position_mode};
+inline constexpr rw<deviation_clearing>  following_error_clearing          {"P05-16"_p, {0, 2},                    no_unit,              0,       stopped_now | position_mode};
 /// P05-17 编码器分频脉冲数  35..32767 P/r, default 2500, stopped, power cycle
 inline constexpr rw<u16>                 encoder_output_pulses             {"P05-17"_p, {35, 32767},               pulse_per_revolution, 2500,    stopped_from_power_on};
 /// P05-19 速度前馈控制选择  0..3, default 1, stopped, immediate, P

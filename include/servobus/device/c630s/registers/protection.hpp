@@ -27,7 +27,7 @@ inline constexpr rw<u16>           overspeed_threshold               {"P0A-08"_p
 /// P0A-09 最大位置脉冲频率  100..4000 kHz, default 4000, stopped, immediate, P [errata C51]
 inline constexpr rw<u16>           max_pulse_frequency               {"P0A-09"_p, {100, 4000},     kilohertz,                4000,    stopped_now | position_mode};
 /// P0A-10 位置偏差过大故障阈值  1..1073741824 encoder counts / reference units, default 3145728, running, immediate, P; P0A-17 sets the unit [errata C34, C74]
-inline constexpr rw<u32>           position_deviation_limit          {"P0A-10"_p, {1, 1073741824}, count,                    3145728, running_now | position_mode | scaled_elsewhere};
+inline constexpr rw<u32>           following_error_limit             {"P0A-10"_p, {1, 1073741824}, count,                    3145728, running_now | position_mode | scaled_elsewhere};
 /// P0A-12 飞车保护功能使能  0..1, default 1, running, immediate, PST
 inline constexpr rw<off_on>        runaway_protection                {"P0A-12"_p, {0, 1},          no_unit,                  1,       running_now | pst_modes};
 /// P0A-16 低频共振位置偏差判断阈值  1..1000 encoder counts, default 5, running, immediate, P

@@ -318,7 +318,7 @@ class c630s_core : protected c630s_outputs {
         stalled_ = is_stalled ? stalled_ + 1 : 0;
         if (memory_.is_on(coolmay::stall_protection) && stalled_ > value(coolmay::stall_protection_time))
             raise(0x630);
-        const std::int64_t limit = value(coolmay::position_deviation_limit);
+        const std::int64_t limit = value(coolmay::following_error_limit);
         const std::int64_t allowed = memory_.is_on(coolmay::position_setting_unit) ? to_counts(limit) : limit;
         if (control() == coolmay::control_mode::position && shaft::size(deviation()) > allowed) raise(0xB00);
     }

@@ -50,7 +50,7 @@ class c630s_positioning : protected c630s_plant {
     constexpr bool run_position() {
         if (value(coolmay::gear_switching_condition) != 0 || command_.stands())
             has_second_gear_ = given(function::gear_selection);
-        if (inputs_.take_edge(function::clear_position_deviation)) clear_deviation();
+        if (inputs_.take_edge(function::clear_following_error)) clear_deviation();
         const bool is_step = inputs_.take_edge(function::step_enable);
         const bool is_start = inputs_.take_edge(function::position_segment_start) &&
                               (!options_.segment_start_is_level || given(function::position_segment_start));
