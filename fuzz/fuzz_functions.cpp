@@ -59,7 +59,7 @@ std::size_t made_again(bytes pdu, byte_buffer out) {
 }
 
 void as_request(const byte_list& pdu) {
-    const errc found = modbus::check_request(pdu);
+    const errc found = modbus::check_request(pdu).error();
     const unsigned number = functions_reference::exception_of(pdu);
     require((found == errc::ok) == (number == 0), "a request is valid if the judge says so");
     if (number != 0) {

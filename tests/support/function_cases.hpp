@@ -52,7 +52,7 @@ struct request_case {
     printed_pdu request;
     servobus::errc error = servobus::errc::ok;
 
-    constexpr servobus::errc found() const { return servobus::modbus::check_request(request); }
+    constexpr servobus::errc found() const { return servobus::modbus::check_request(request).error(); }
 };
 
 struct response_case {

@@ -26,7 +26,7 @@ struct baud_change {
 };
 
 /// Writes `code`, the device's number for `rates.to`, into the register `R` of the client's node, and checks
-/// at which rate the drive responds afterwards. `set_port(baud)` sets the port and returns an `errc`; the
+/// at which rate the drive responds afterwards. `set_port(baud)` sets the port and returns a `status`; the
 /// line's timing follows. Port and line stay at the new rate if the drive responds there, else at the old one;
 /// other drives on the line keep their rate. Blocking. It takes a read, unless an echo is ruled out, one write
 /// and three looks (`look_for`). Errors: the write's own and the port's; `not_reached`: the drive responds at
@@ -37,8 +37,8 @@ constexpr status change_baud_rate(client<Line, Device>& of, register_value<R> co
                                   SetPort&& set_port) {
     auto& line = of.line();
     const auto go_to = [&](std::uint32_t baud) {
-        const errc why = set_port(baud);
-        if (why != errc::ok) return why;
+        const status why = set_port(baud);
+        if (!why) return why;
         return line.retime(modbus::timing_at(baud, line.timing().mode, line.timing().inter_byte));
     };
 
@@ -46,13 +46,13 @@ constexpr status change_baud_rate(client<Line, Device>& of, register_value<R> co
     if (done.outcome() == outcome::not_sent || done.outcome() == outcome::refused) return done;
     // Twice at the new one: the drive may change slowly.
     for (const std::uint32_t baud : std::array<std::uint32_t, 3>{rates.to, rates.from, rates.to}) {
-        if (const errc why = go_to(baud); why != errc::ok) return status::sent(why);
+        if (const status why = go_to(baud); !why) return status::sent(why.error());
         if (look_for(line, of.node().address, of.node().limits, R.address).what != presence::present)
             continue;
         return status::sent(baud == rates.from ? errc::not_reached : errc::ok);
     }
-    const errc why = go_to(rates.from);
-    return status::sent(why != errc::ok ? why : errc::timeout);
+    const status why = go_to(rates.from);
+    return status::sent(why ? errc::timeout : why.error());
 }
 
 } // namespace servobus

@@ -88,7 +88,7 @@ constexpr bool is_unusual_coil_write(bytes pdu) {
 
 /// Checks a request as it is seen on a line, where a coil may be written with any value.
 constexpr errc check_seen_request(bytes pdu) {
-    return is_unusual_coil_write(pdu) ? errc::ok : modbus::check_request(pdu);
+    return is_unusual_coil_write(pdu) ? errc::ok : modbus::check_request(pdu).error();
 }
 /// Checks a response against such a request, as `modbus::check_response` does.
 constexpr status check_seen_response(bytes request, bytes pdu) {

@@ -150,7 +150,7 @@ class line {
 
     /// Continues with another timing, to which the port was set before. The next request waits for a
     /// quarantine, and an echo is possible again. Errors: `busy` while an exchange has the line; nothing changes.
-    constexpr errc retime(const modbus::rtu_timing& timing) {
+    constexpr status retime(const modbus::rtu_timing& timing) {
         if (!is_free()) return errc::busy;
         timing_ = timing;
         gap_.require_quarantine_from(now());

@@ -31,7 +31,7 @@ namespace servobus::modbus {
 /// Checks a request as a server must before it looks at its rows: the function, then length, quantity, byte count and
 /// value, then that the addresses fit the address space.
 /// Errors: those of the parser of its function; `wrong_function` for codes that the standard does not define.
-constexpr errc check_request(bytes pdu) {
+constexpr status check_request(bytes pdu) {
     if (pdu.empty()) return errc::too_short;
     switch (static_cast<function>(pdu[0])) {
     case function::read_coils:

@@ -85,7 +85,7 @@ template <const auto&... Rows> class row_values {
     /// Errors: `out_of_range`, `inexact`.
     template <const auto& R, class V>
     requires is_register<R>
-    [[nodiscard]] constexpr errc set(checked_value<V> v) { return set_checked<R, R>(0, v); }
+    [[nodiscard]] constexpr status set(checked_value<V> v) { return set_checked<R, R>(0, v); }
 
     /// Sets a coil or a discrete input.
     template <const auto& R, class V>
@@ -107,7 +107,7 @@ template <const auto&... Rows> class row_values {
     constexpr void set(std::size_t i, detail::stored<R> value) { store<R>(element<R>(i), value.bits()); }
     /// The same for a value that may be out of range. Errors: `out_of_range`, `inexact`.
     template <const auto& R, class V>
-    requires(is_register_array<R> && !detail::has_bits<R>) [[nodiscard]] constexpr errc
+    requires(is_register_array<R> && !detail::has_bits<R>) [[nodiscard]] constexpr status
         set(std::size_t i, checked_value<V> v) {
         return set_checked<R, at<R, 0>>(element<R>(i), v);
     }
@@ -185,7 +185,7 @@ template <const auto&... Rows> class row_values {
         }
     }
     template <const auto& R, const auto& Element, class V>
-    constexpr errc set_checked(std::size_t i, checked_value<V> v) {
+    constexpr status set_checked(std::size_t i, checked_value<V> v) {
         const counted c = count_of<Element>(v.value);
         if (c.error != errc::ok) return c.error;
         if (!Element.limits.contains(c.count)) return errc::out_of_range;

@@ -85,7 +85,7 @@ TEST_CASE("100000 random requests, valid and mutated, are judged as the standard
         byte_list pdu = random.request();
         for (unsigned i = random.below(3); i != 0; --i) pdu = random.mutated(pdu);
         const unsigned expected = functions_reference::exception_of(pdu);
-        REQUIRE(exception_for(modbus::check_request(pdu)) == expected);
+        REQUIRE(exception_for(modbus::check_request(pdu).error()) == expected);
         ++seen[expected];
     }
     for (unsigned number = 0; number < 4; ++number) CHECK(seen[number] > 500);

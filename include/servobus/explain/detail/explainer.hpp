@@ -115,7 +115,7 @@ class explainer {
         out_ << (is_of_client ? "invalid request of function " : "invalid response to function ");
         put_function(out_, pdu[0] & 0x7Fu);
         out_ << ": ";
-        found_.why = {is_of_client ? modbus::check_request(pdu) : check_lone_response(pdu)};
+        found_.why = {is_of_client ? modbus::check_request(pdu).error() : check_lone_response(pdu)};
         flaw_text{way, pdu, out_}.put(found_.why.error());
     }
 
