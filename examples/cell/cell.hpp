@@ -47,7 +47,7 @@ inline constexpr take_over wheels_set_up{zlac8015d::resolution{10}, zlac8015d::w
 
 template <class Line> struct cell {
     explicit cell(Line& wire)
-        : wheels{wire, wheels_node, robot::base, unsupervised}, lift{wire, lift_node, ::lift::screw},
+        : wheels{wire, wheels_node, robot::base, by_plan}, lift{wire, lift_node, ::lift::screw},
           press{wire, press_node, ::press::ram}, all{wire, wheels, lift, press} {
         (void)wheels.set_limits(robot::limits);
     }

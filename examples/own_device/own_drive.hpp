@@ -205,10 +205,13 @@ constexpr auto arguments(const move_to& c, const cached_settings&) {
 
 // --- The model: what the facade must know of this drive
 
-struct arrival {
+struct [[nodiscard]] arrival {
     servobus::arrival_state how = servobus::arrival_state::none;
     servobus::stop_cause cause = servobus::stop_cause::unknown;
     distance missing{};
+
+    /// At rest at its target.
+    constexpr explicit operator bool() const { return how == servobus::arrival_state::reached; }
 };
 
 class model {
@@ -367,10 +370,11 @@ template <class Line> class drive : public servobus::facade<model, Line> {
     using base = servobus::facade<model, Line>;
 
   public:
-    constexpr drive(Line& on, std::uint8_t at, const servobus::optional_supervision& by = {})
+    constexpr drive(Line& on, std::uint8_t at, const servobus::supervision& by = servobus::without_watchdog)
         : drive{on, servobus::node<device>{at}, by} {}
     /// With limits and gaps of its own.
-    constexpr drive(Line& on, const servobus::node<device>& at, const servobus::optional_supervision& by = {})
+    constexpr drive(Line& on, const servobus::node<device>& at,
+                    const servobus::supervision& by = servobus::without_watchdog)
         : base{on, at, by.feedback, by.command_timeout} {}
 
     using base::run;

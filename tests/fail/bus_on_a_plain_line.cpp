@@ -10,12 +10,12 @@
 
 using namespace servobus;
 
-inline constexpr poll_plan plan{modbus::timing_at(115200), controlled(node<zlac::device>{1}, unsupervised)};
+inline constexpr poll_plan plan{modbus::timing_at(115200), controlled(node<zlac::device>{1}, {.command_timeout = milliseconds(300)})};
 
 int main() {
     some_port port;
     line wire{port, plan.timing()}; // wrong
-    zlac::drive wheels{wire, 1, unsupervised};
+    zlac::drive wheels{wire, 1, by_plan};
     auto all = make_bus<plan>(wire, wheels);
     (void)all.step();
 }

@@ -207,7 +207,7 @@ inline constexpr poll_plan plan_2{modbus::timing_at(115200),
 inline constexpr poll_plan plan_3{modbus::timing_at(115200),
     cyclic<zlac::left_actual_speed, zlac::right_actual_speed>(node<zlac::device>{1}, milliseconds(50))};
 inline constexpr poll_plan plan_5{modbus::timing_at(115200),
-    controlled(node<zlac::device>{1}, unsupervised), controlled(node<zlac::device>{2}, unsupervised)};
+    controlled(node<zlac::device>{1}, {.command_timeout = milliseconds(300)}), controlled(node<zlac::device>{2}, unsupervised)};
 inline constexpr poll_plan plan_6{modbus::timing_at(115200),
     cyclic<zlac::status_word>(node<zlac::device>{1}, milliseconds(1'700'000))};
 inline constexpr poll_plan plan_7{modbus::timing_at(115200),
@@ -223,10 +223,10 @@ inline constexpr poll_plan plan_10{modbus::timing_at(115200),
     controlled(node<zlac::device>{3}, supervised).keeps_alive(milliseconds(5000))};
 inline constexpr poll_plan plan_11{modbus::timing_at(115200), cyclic<other::speed>(node<other::device>{1},
     milliseconds(50))};
-inline constexpr poll_plan plan_12{modbus::timing_at(115200), controlled(node<zlac::device>{1}, unsupervised)};
-inline constexpr poll_plan plan_13{modbus::timing_at(115200), controlled(node<zlac::device>{1}, unsupervised),
+inline constexpr poll_plan plan_12{modbus::timing_at(115200), controlled(node<zlac::device>{1}, {.command_timeout = milliseconds(300)})};
+inline constexpr poll_plan plan_13{modbus::timing_at(115200), controlled(node<zlac::device>{1}, {.command_timeout = milliseconds(300)}),
     own_requests(node<zlac::device>{9}, milliseconds(500), 4)};
-inline constexpr poll_plan plan_14{modbus::timing_at(115200), controlled(node<zlac::device>{1}, unsupervised),
+inline constexpr poll_plan plan_14{modbus::timing_at(115200), controlled(node<zlac::device>{1}, {.command_timeout = milliseconds(300)}),
     own_requests(node<zlac::device>{9}, milliseconds(500), 125)};
 consteval node<zlac::device> quick(std::uint8_t address) {
     node<zlac::device> n{address};
@@ -238,7 +238,7 @@ inline constexpr poll_plan plan_16{modbus::timing_at(115200),
     controlled(quick(1), supervised_by_default), controlled(quick(2), supervised_by_default),
     cyclic<zlac::bus_voltage>(quick(1), milliseconds(200)), cyclic<zlac::bus_voltage>(quick(2), milliseconds(200)),
     cyclic<zlac::status_word>(quick(1), milliseconds(100))};
-inline constexpr poll_plan plan_15{modbus::timing_at(115200), controlled(node<zlac::device>{1}, unsupervised),
+inline constexpr poll_plan plan_15{modbus::timing_at(115200), controlled(node<zlac::device>{1}, {.command_timeout = milliseconds(300)}),
     own_requests(node<zlac::device>{8}, milliseconds(1'700'000), 2)};
 inline constexpr poll_plan plan_17{modbus::timing_at(115200),
     cyclic<basin::valve, basin::pump>(node<basin::device>{9}, milliseconds(50))};
@@ -333,7 +333,7 @@ int main() {
     (void)frame_31;
     some_port port;
     scheduled_line wire{port, plan_12.timing()};
-    zlac::drive wheels{wire, 1, unsupervised};
+    zlac::drive wheels{wire, 1, by_plan};
     (void)zlac::drive{wire, 1, {.feedback = milliseconds(20), .command_timeout = milliseconds(300)}};
     (void)c630s::hold{60 * units::r_per_min, c630s::runs_on_without_line{}};
     constexpr auto on = zlac::enable_in{zlac::operating_mode::velocity};

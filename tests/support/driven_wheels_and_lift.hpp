@@ -51,7 +51,7 @@ struct wheels_and_lift_program {
     using line_type = servobus::scheduled_line<servobus::sim::virtual_line>;
 
     line_type on;
-    servobus::zlac8015d::drive<line_type> wheels{on, wheels_node, servobus::unsupervised};
+    servobus::zlac8015d::drive<line_type> wheels{on, wheels_node, servobus::by_plan};
     servobus::yako::closed_loop::drive<line_type> lift{on, lift_node};
     servobus::bus<fast_plan, line_type, decltype(wheels), decltype(lift)> all{on, wheels, lift};
 

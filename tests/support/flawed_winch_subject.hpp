@@ -110,7 +110,7 @@ template <class Line> class drive : public facade<model, Line> {
     using base = facade<model, Line>;
 
   public:
-    drive(Line& on, std::uint8_t at, const optional_supervision& by)
+    drive(Line& on, std::uint8_t at, const supervision& by)
         : base{on, node<winch::device>{at}, by.feedback, by.command_timeout} {}
 
     template <class Wanted> command_status begin(const Wanted& wanted) {

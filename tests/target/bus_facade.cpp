@@ -21,7 +21,7 @@ constexpr poll_plan plan{modbus::timing_at(115200),
 
 uart port_1;
 wire line_1{port_1, modbus::timing_at(115200)};
-zlac8015d::drive robot{line_1, at, unsupervised};
+zlac8015d::drive robot{line_1, at, by_plan};
 auto all = make_bus<plan>(line_1, robot);
 
 bool is_fast() {

@@ -28,6 +28,7 @@ namespace detail {
 // Not constexpr on purpose: a plan that calls one does not compile, and the error names the rule.
 inline void a_cyclic_read_is_one_frame_of_adjacent_rows_of_a_table() {}
 inline void a_cyclic_read_has_a_period_of_half_an_hour_at_most() {}
+inline void a_plan_states_the_supervision_itself() {}
 inline void requests_have_a_period_of_half_an_hour_at_most() {}
 inline void a_request_has_1_to_125_registers() {}
 inline void a_node_of_a_plan_has_an_address_that_its_device_can_have() {}
@@ -139,6 +140,7 @@ template <device_class Device> consteval auto controlled(const node<Device>& at,
         "a controlled drive needs its header, such as servobus/device/zlac8015d.hpp");
     using model = decltype(model_of(*static_cast<const Device*>(nullptr)));
     if (!at.is_valid()) detail::a_node_of_a_plan_has_an_address_that_its_device_can_have();
+    if (by.command_timeout.is_by_plan()) detail::a_plan_states_the_supervision_itself();
     controlled_drive<model> d{};
     d.address = at.address;
     d.limits = at.limits;

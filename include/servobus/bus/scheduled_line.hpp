@@ -5,7 +5,7 @@
 // place of a `line`, and it has the same calls. Until a bus begins it is a line as any other.
 //
 //     scheduled_line wire{serial, plan.timing()};
-//     zlac8015d::drive wheels{wire, wheels_node, unsupervised}; // the bus gives it what the plan says
+//     zlac8015d::drive wheels{wire, wheels_node, by_plan}; // the bus gives it what the plan says
 //     auto all = make_bus<plan>(wire, wheels);
 #pragma once
 

@@ -6,7 +6,7 @@
 //
 //     constexpr auto shared = settings_on_one_line(node<zlac8015d::device>{1}, node<yako::closed_loop::device>{2});
 //     static_assert(shared.baud == 115200 && shared.format == character_format::n81 && !shared.changes[0]);
-//     errc open(posix::serial& port) { return port.open("/dev/ttyUSB0", posix::settings_of(shared)); }
+//     const auto open = [](auto& port) { return port.open("/dev/ttyUSB0", posix::settings_of(shared)); };
 #pragma once
 
 #include <servobus/core/cxx20.hpp>

@@ -6,7 +6,7 @@
 // runs one exchange at a time, and a stop goes first.
 //
 //     stepped_read<decltype(servo), c630s::actual_speed> speed{servo}; // servo: a client
-//     if (speed.begin() != errc::ok) return 1;
+//     if (!speed.begin()) return 1;
 //     while (!speed.done()) speed.step(); // instead: step() in each iteration of your main loop
 //     if (const auto now = speed.value(); !now || *now > 300 * r_per_min) return 1;
 #pragma once

@@ -43,6 +43,8 @@ constexpr const char* text(take_over_part p) {
 /// of it was sent.
 class [[nodiscard]] command_status {
   public:
+    // Inlined: a copy of either would cost a small core 12 bytes, and a call of it at each command.
+
     /// Done.
     [[gnu::always_inline]] constexpr command_status() {}
     /// Nothing was sent.
@@ -77,12 +79,12 @@ class [[nodiscard]] command_status {
     /// the register of the terminal that has the function already, or was to get it. The drive is checked for a restart
     /// before some steps: a step at which that check failed was not sent.
     constexpr std::uint16_t register_address() const { return static_cast<std::uint16_t>(after_ - 1u); }
-    /// Of a take-over: the part where it ended; `reading` if it is done.
+    /// The part where a take-over ended; `reading` if it is done.
     constexpr take_over_part part() const {
         return place_ >= first_part ? static_cast<take_over_part>(place_ - first_part)
                                     : take_over_part::setting;
     }
-    /// Of a take-over: the number of the setting that failed, from 1; 0 for another part.
+    /// The number of the setting of a take-over that failed, from 1; 0 for another part.
     constexpr unsigned setting() const { return place_ >= first_part ? 0u : place_; }
     static constexpr unsigned most_settings = 119; ///< of a take-over
 

@@ -42,8 +42,8 @@ template <class Model, class Exchange> class drive_machine {
 
     template <class Node>
     constexpr drive_machine(const Node& at, duration feedback, command_timeout limit)
-        : known_{at.is_valid() ? at.address : std::uint8_t{0}, feedback}, terms_{at}, slot_{limit.limit()},
-          buffers_{known_.address()} {}
+        : known_{at.is_valid() ? at.address : std::uint8_t{0}, feedback}, terms_{at, limit.is_by_plan()},
+          slot_{limit.limit()}, buffers_{known_.address()} {}
 
     constexpr std::uint8_t address() const { return known_.address(); }
     constexpr const detail::knowledge<Model>& known() const { return known_; }

@@ -6,8 +6,7 @@
 // Its machine decides (control/drive_machine.hpp); the facade moves the machine's frames over a line. The `drive.hpp`
 // of each device derives from it and describes the drive by a model.
 //
-//     const errc refused = wheels.begin(zlac8015d::velocity{30 * r_per_min, 30 * r_per_min});
-//     if (refused != errc::ok) return 1;
+//     if (!wheels.begin(zlac8015d::velocity{30 * r_per_min, 30 * r_per_min})) return 1;
 //     while (!wheels.is_idle()) wheels.step(); // in your loop, between your other work
 //     if (!wheels.last()) std::puts(text(wheels.last().error()));
 #pragma once

@@ -5,7 +5,8 @@
 //
 //     void print(const loop_report& ended) { // "enable: the drive reports a fault"
 //         std::printf("%s: %s\n", text(ended.what), text(ended.how.error()));
-//         if (ended.what == loop_part::take_over) std::printf("  at %s %u\n", text(ended.how.part()), ended.how.setting());
+//         if (ended.what != loop_part::take_over) return;
+//         std::printf("  at %s %u\n", text(ended.how.part()), ended.how.setting());
 //     }
 #pragma once
 

@@ -6,7 +6,7 @@
 // the `arguments.hpp` of their device, which includes this header.
 //
 //     constexpr zlac8015d::velocity fast{900 * r_per_min, 0 * r_per_min};
-//     if (wheels.begin(fast) != errc::ok) { // asked before another call of the drive
+//     if (!wheels.begin(fast)) { // asked before another call of the drive
 //         const command_argument a = why(wheels, fast).argument;
 //         std::printf("%04Xh takes %ld..%ld\n", unsigned{a.address}, long(a.limits.low), long(a.limits.high));
 //     }

@@ -498,10 +498,9 @@ TEST_CASE(
     for (station& s : stations) REQUIRE(wire.attach(s));
     using line_type = scheduled_line<sim::virtual_line, seen_requests>;
     line_type on{wire, crowd.timing()};
-    zlac8015d::drive<line_type> two{on, prompt(node<wheels_device>{2}), unsupervised},
-        three{on, prompt(node<wheels_device>{3}), unsupervised},
-        four{on, prompt(node<wheels_device>{4}), unsupervised},
-        five{on, prompt(node<wheels_device>{5}), unsupervised};
+    zlac8015d::drive<line_type> two{on, prompt(node<wheels_device>{2}), by_plan},
+        three{on, prompt(node<wheels_device>{3}), by_plan}, four{on, prompt(node<wheels_device>{4}), by_plan},
+        five{on, prompt(node<wheels_device>{5}), by_plan};
     auto all = make_bus<crowd>(on, two, three, four, five);
     all.run_for(milliseconds(500));
     on.observer() = {};

@@ -149,7 +149,7 @@ TEST_CASE("G19: a wait for the end of a move keeps the drive's watchdog from exp
     static_assert(seldom.load_per_mille() > 70); // by the reads that keep it alive
     wheels_and_lift m;
     line_type on{m.wire, modbus::timing_at(115200)};
-    wheels_type wheels{on, wheels_node, unsupervised};
+    wheels_type wheels{on, wheels_node, by_plan};
     auto all = make_bus<seldom>(on, wheels);
     using namespace zlac8015d;
     REQUIRE(all.run(wheels, init{}));
@@ -228,7 +228,7 @@ TEST_CASE("G26: a weaker stop that fails too leaves the stronger one to be repea
 TEST_CASE("G34: a move that was stopped short stays so for hours") {
     wheels_and_lift m;
     line_type on{m.wire, modbus::timing_at(115200)};
-    lift_type lift{on, lift_node, unsupervised};
+    lift_type lift{on, lift_node, by_plan};
     REQUIRE(lift.run(yako::init{}));
     REQUIRE(lift.run(yako::enable{}));
     REQUIRE(lift.begin(yako::move_by{3000 * pulse}) == errc::ok);

@@ -106,7 +106,7 @@ template <class Port> struct mute_rig {
     using line_type = scheduled_line<Port>;
     Port port;
     line_type on{port, modbus::timing_at(115200)};
-    zlac8015d::drive<line_type> wheels{on, wheels_node, unsupervised};
+    zlac8015d::drive<line_type> wheels{on, wheels_node, by_plan};
     bus<mute_plan, line_type, decltype(wheels)> all{on, wheels};
     const std::uint64_t start = port.time;
 
@@ -179,7 +179,7 @@ TEST_CASE(
         wire.attach(wheels_station);
         wire.attach(lift_station);
         line_type on{wire, modbus::timing_at(115200)};
-        zlac8015d::drive<line_type> wheels{on, wheels_node, unsupervised};
+        zlac8015d::drive<line_type> wheels{on, wheels_node, by_plan};
         yako::closed_loop::drive<line_type> lift{on, lift_node};
         auto all = make_bus<fast_plan>(on, wheels, lift);
         const auto run = [&](std::uint32_t ms) {

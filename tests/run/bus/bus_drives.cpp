@@ -43,7 +43,7 @@ constexpr poll_plan of_both{
 TEST_CASE("G20, G36: a bus polls its drives and gives them its command timeout") {
     wheels_and_lift m;
     line_type on{m.wire, modbus::timing_at(115200)};
-    wheels_type wheels{on, wheels_node, unsupervised}; // neither polled nor supervised by itself
+    wheels_type wheels{on, wheels_node, by_plan}; // neither polled nor supervised by itself
     auto all = make_bus<of_wheels>(on, wheels);
     REQUIRE(all.run(wheels, zlac8015d::init{}));
     REQUIRE(all.run(wheels, zlac8015d::enable{}));
@@ -58,7 +58,7 @@ TEST_CASE("G20, G36: a bus polls its drives and gives them its command timeout")
 TEST_CASE("G20: a blocking command of a bus is a sign of life for its own drive, and for no other") {
     wheels_and_lift m;
     line_type on{m.wire, modbus::timing_at(115200)};
-    wheels_type wheels{on, wheels_node, unsupervised};
+    wheels_type wheels{on, wheels_node, by_plan};
     yako::closed_loop::drive lift{on, tests::lift_node};
     auto all = make_bus<of_both>(on, wheels, lift);
     REQUIRE(all.run(wheels, zlac8015d::init{}));
@@ -105,7 +105,7 @@ TEST_CASE("a bus refuses a drive on another line, and polls it no more") {
 TEST_CASE("a bus runs no command of a drive that is not its own") {
     wheels_and_lift m;
     line_type on{m.wire, modbus::timing_at(115200)};
-    wheels_type wheels{on, wheels_node, unsupervised}, other{on, wheels_node, unsupervised};
+    wheels_type wheels{on, wheels_node, by_plan}, other{on, wheels_node, unsupervised};
     auto all = make_bus<of_wheels>(on, wheels);
     const std::uint32_t before = m.wire.requests();
     CHECK(all.run(other, init{}).error() == errc::bad_argument);
@@ -114,10 +114,27 @@ TEST_CASE("a bus runs no command of a drive that is not its own") {
     CHECK(all.run(wheels, init{}));
 }
 
+TEST_CASE("a drive by its plan refuses all but stops until a bus has adopted it") {
+    wheels_and_lift m;
+    line_type on{m.wire, modbus::timing_at(115200)};
+    wheels_type wheels{on, wheels_node, by_plan};
+    CHECK(wheels.begin(init{}) == errc::bad_argument);
+    CHECK(wheels.run(init{}) == errc::bad_argument);
+    for (int i = 0; i < 100; ++i) m.wire.wait(wheels.step());
+    CHECK(m.wire.requests() == 0);
+    CHECK(wheels.run(disable{}).outcome() != outcome::not_sent); // a stop
+    REQUIRE(m.wire.requests() != 0);
+    auto all = make_bus<of_wheels>(on, wheels);
+    CHECK(all.run(wheels, init{}));
+    const std::uint32_t before = m.wire.requests();
+    loop(all, m.wire, 300);
+    CHECK(m.wire.requests() > before + 2); // its feedback, as the plan says
+}
+
 TEST_CASE("a bus refuses a drive that has another address than the one in its place of the plan") {
     wheels_and_lift m;
     line_type on{m.wire, modbus::timing_at(115200)};
-    wheels_type wheels{on, prompt(node<zlac8015d::device>{9}), unsupervised};
+    wheels_type wheels{on, prompt(node<zlac8015d::device>{9}), by_plan};
     auto all = make_bus<of_wheels>(on, wheels);
     const std::uint32_t before = m.wire.requests();
     CHECK(wheels.begin(init{}) == errc::bad_argument);
@@ -168,7 +185,7 @@ TEST_CASE(
         CAPTURE(is_lift_first);
         wheels_and_lift m;
         line_type on{m.wire, modbus::timing_at(115200)};
-        wheels_type wheels{on, wheels_node, unsupervised};
+        wheels_type wheels{on, wheels_node, by_plan};
         yako::closed_loop::drive lift{on, tests::lift_node};
         auto all = make_bus<of_both_rarely>(on, wheels, lift);
         REQUIRE(all.run(wheels, init{}));

@@ -166,7 +166,7 @@ TEST_CASE(
         sim::virtual_line wire{57600};
         wire.attach(drive);
         scheduled_line on{wire, beside_a_servo.timing()};
-        zlac8015d::drive<decltype(on)> wheels{on, wheels_node, unsupervised}; // not on the line
+        zlac8015d::drive<decltype(on)> wheels{on, wheels_node, by_plan}; // not on the line
         c630s::drive<decltype(on)> servo{on, servo_node};
         auto all = make_bus<beside_a_servo>(on, wheels, servo);
         REQUIRE(client{on, servo_node}.store<c630s::response_delay>(350));

@@ -27,7 +27,7 @@ constexpr poll_plan often{modbus::timing_at(115200), cyclic<yako::status_word>(l
 TEST_CASE("a read that is due while its drive is unknown is sent as soon as the drive is known") {
     tests::wheels_and_lift machine;
     wire on{machine.wire, modbus::timing_at(115200)};
-    zlac8015d::drive wheels{on, wheels_node, unsupervised};
+    zlac8015d::drive wheels{on, wheels_node, by_plan};
     auto all = make_bus<seldom>(on, wheels);
     const auto step = [&] {
         const duration idle = all.step();
@@ -65,7 +65,7 @@ TEST_CASE(
         CAPTURE(later_ms);
         tests::wheels_and_lift machine;
         wire on{machine.wire, modbus::timing_at(115200)};
-        zlac8015d::drive wheels{on, wheels_node, unsupervised};
+        zlac8015d::drive wheels{on, wheels_node, by_plan};
         auto all = make_bus<steady>(on, wheels);
         const auto step = [&] {
             const duration idle = all.step();
@@ -99,7 +99,7 @@ TEST_CASE("G28: a drive that was absent, and whose port was lost meanwhile, is r
           "though a search for the next read had found none for a second") {
     tests::wheels_and_lift machine;
     wire on{machine.wire, modbus::timing_at(115200)};
-    zlac8015d::drive wheels{on, wheels_node, unsupervised};
+    zlac8015d::drive wheels{on, wheels_node, by_plan};
     auto all = make_bus<steady>(on, wheels);
     const auto step = [&] {
         const duration idle = all.step();

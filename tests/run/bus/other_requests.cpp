@@ -101,7 +101,7 @@ struct rig {
     sim::station<sim::yako_closed_loop> second_station{second_model};
     sim::virtual_line wire{115200};
     line_type on{wire, plan.timing()};
-    zlac8015d::drive<line_type> wheels{on, wheels_node, unsupervised};
+    zlac8015d::drive<line_type> wheels{on, wheels_node, by_plan};
     bus<plan, line_type, decltype(wheels)> all{on, wheels};
     std::vector<request> seen{};
     std::vector<std::uint8_t> open{};
@@ -324,7 +324,7 @@ template <const auto& Plan, bool HasReads> void ask_one_that_refuses(std::uint8_
     sim::station<refusing_sensor> other_station{refuses, 9, 115200};
     sim::virtual_line wire{115200};
     line_type on{wire, Plan.timing()};
-    zlac8015d::drive<line_type> wheels{on, wheels_node, unsupervised};
+    zlac8015d::drive<line_type> wheels{on, wheels_node, by_plan};
     bus<Plan, line_type, decltype(wheels)> all{on, wheels};
     wire.attach(station);
     wire.attach(other_station);
@@ -510,7 +510,7 @@ TEST_CASE(
         CAPTURE(words);
         tests::scripted_port port;
         scheduled_line<tests::scripted_port> on{port, with_long_writes.timing()};
-        zlac8015d::drive wheels{on, wheels_node, unsupervised};
+        zlac8015d::drive wheels{on, wheels_node, by_plan};
         [[maybe_unused]] auto all = make_bus<with_long_writes>(on, wheels); // the line is its line now
         // The response begins at the end of its time limit, and has nearly the longest pause.
         port.device = [](tests::scripted_port& p, const tests::sent_frame& f) {

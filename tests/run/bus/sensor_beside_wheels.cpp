@@ -51,7 +51,7 @@ struct rig {
         values, sensor_node.address, baud};
     sim::virtual_line wire{baud};
     line_type on{wire, plan.timing()};
-    zlac8015d::drive<line_type> wheels{on, wheels_node, unsupervised};
+    zlac8015d::drive<line_type> wheels{on, wheels_node, by_plan};
     bus<plan, line_type, decltype(wheels)> all{on, wheels};
 
     // Seen on the wire

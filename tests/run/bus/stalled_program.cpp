@@ -29,7 +29,7 @@ constexpr poll_plan often{modbus::timing_at(115200), controlled(wheels_node, uns
 struct rig {
     tests::wheels_and_lift machine;
     wire on{machine.wire, modbus::timing_at(115200)};
-    zlac8015d::drive<wire> wheels{on, wheels_node, unsupervised};
+    zlac8015d::drive<wire> wheels{on, wheels_node, by_plan};
     yako::closed_loop::drive<wire> lift{on, lift_node};
     bus<often, wire, decltype(wheels), decltype(lift)> all{on, wheels, lift};
     std::vector<std::uint8_t> open{}; ///< of the request on the wire

@@ -101,7 +101,7 @@ template <const auto& Plan> struct rig {
     sim::virtual_line wire{115200};
     tests::late_port port{wire};
     line_type on{port, Plan.timing()};
-    zlac8015d::drive<line_type> wheels{on, wheels_node, unsupervised};
+    zlac8015d::drive<line_type> wheels{on, wheels_node, by_plan};
     bus<Plan, line_type, decltype(wheels)> all{on, wheels};
     std::vector<std::uint8_t> open{};
     std::uint64_t stop_end = 0; // of the first stop since it was set to 0

@@ -903,7 +903,7 @@ struct held_stepper : y::model<y::closed_loop::device> {
 TEST_CASE("a wired stop ends that motion is allowed although the drive stays energised") {
     simulated::simulated_closed_loop r;
     y::basic_drive<y::closed_loop::device, decltype(r.line), held_stepper> drive{
-        r.line, 1, {.feedback = milliseconds(20)}};
+        r.line, 1, {.feedback = milliseconds(20), .command_timeout = no_command_timeout}};
     setpoint_loop loop{drive, take_over{}};
     const auto go = [&](std::uint32_t ms) {
         const std::uint64_t end = r.wire.time_us() + std::uint64_t{ms} * 1000;
@@ -1000,7 +1000,7 @@ TEST_CASE("G44: a stop that the drive refuses during an enable withdraws the con
     for (const bool is_again : {false, true}) {
         simulated::simulated_closed_loop r;
         without_halt<y::basic_drive<y::closed_loop::device, decltype(r.line)>> drive{
-            r.line, 1, {.feedback = milliseconds(20)}};
+            r.line, 1, {.feedback = milliseconds(20), .command_timeout = no_command_timeout}};
         setpoint_loop loop{drive, take_over{}};
         const auto turn = [&] {
             const duration idle = loop.step();

@@ -54,7 +54,7 @@ TEST_CASE("G36: a block of the feedback is as old as the first byte of its reque
     SUBCASE("disabled") {}
     SUBCASE("enabled") { is_enabled = true; }
     simulated::simulated_c630s r;
-    c630s::drive servo{r.line, 1, {.feedback = milliseconds(20)}};
+    c630s::drive servo{r.line, 1, {.feedback = milliseconds(20), .command_timeout = no_command_timeout}};
     make_ready(r, servo);
     if (is_enabled) REQUIRE(servo.run(enable_in{control_mode::position}));
     wire_log log{&r.wire, r.line.timing().character, {}, {}};
@@ -94,7 +94,7 @@ TEST_CASE("G36: a block of the feedback is as old as the first byte of its reque
 
 TEST_CASE("G36: after an init each block of the feedback is read anew, however old a feedback may be") {
     simulated::simulated_c630s r;
-    c630s::drive servo{r.line, 1, {.feedback = milliseconds(20)}};
+    c630s::drive servo{r.line, 1, {.feedback = milliseconds(20), .command_timeout = no_command_timeout}};
     make_ready(r, servo);
     wire_log log{&r.wire, r.line.timing().character, {}, {}};
     r.wire.set_hook(&wire_log::note, &log);

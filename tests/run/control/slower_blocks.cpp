@@ -25,7 +25,7 @@ constexpr supervision often{.feedback = milliseconds(20), .command_timeout = no_
 struct rig : simulated::simulated_c630s {
     c630s::drive<line_type> servo;
 
-    explicit rig(const optional_supervision& by = often) : servo{line, 1, by} {
+    explicit rig(const supervision& by = often) : servo{line, 1, by} {
         REQUIRE(servo.run(init{}));
         REQUIRE(servo.run(set_up{}));
         model.power_cycle();

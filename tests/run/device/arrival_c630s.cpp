@@ -22,7 +22,7 @@ namespace {
 struct polled : simulated::simulated_c630s {
     c630s::drive<line_type> servo;
 
-    explicit polled(optional_supervision by = {}, sim::c630s_options options = {})
+    explicit polled(supervision by = without_watchdog, sim::c630s_options options = {})
         : simulated_model{options}, servo{line, 1, by} {
         REQUIRE(servo.run(init{}));
         REQUIRE(servo.run(set_up{}));
@@ -208,7 +208,7 @@ TEST_CASE("G35: a velocity that is commanded right after a fault or a loss of po
         for (const bool is_fault : {false, true}) {
             CAPTURE(is_polled);
             CAPTURE(is_fault);
-            polled p{is_polled ? optional_supervision{} : static_cast<optional_supervision>(unsupervised)};
+            polled p{is_polled ? without_watchdog : unsupervised};
             p.be_enabled_in(control_mode::speed);
             if (is_fault)
                 p.model.raise(0x620);
@@ -321,7 +321,7 @@ TEST_CASE(
     for (const std::uint32_t us : {2500u, 3000u}) {
         CAPTURE(us);
         simulated::simulated_c630s r;
-        c630s::drive servo{r.line, 1, {.feedback = microseconds(us)}};
+        c630s::drive servo{r.line, 1, {.feedback = microseconds(us), .command_timeout = no_command_timeout}};
         CHECK(servo.run(init{}).error() == (us < 2865 ? errc::bad_argument : errc::ok));
         CHECK(r.requests.empty() == (us < 2865));
     }

@@ -29,7 +29,7 @@ template <class A> struct polled {
     A a;
     decltype(A::drive) drive;
 
-    explicit polled(sim::yako_options options = {}, optional_supervision by = {})
+    explicit polled(sim::yako_options options = {}, supervision by = without_watchdog)
         : a{options}, drive{a.line, 1, by} {
         REQUIRE(drive.run(init{}));
         REQUIRE(drive.run(enable{}));

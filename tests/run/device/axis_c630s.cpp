@@ -29,7 +29,7 @@ struct rig : simulated::simulated_c630s {
     c630s::axis_drive<line_type> drive;
 
     explicit rig(const axis& of, c630s::encoder_counts encoder = c630s::encoder_counts::unknown,
-                 const optional_supervision& by = {}, const sim::c630s_options& read_as = {})
+                 const supervision& by = without_watchdog, const sim::c630s_options& read_as = {})
         : simulated::simulated_c630s{read_as}, drive{line, 1, of, by, encoder} {}
     /// Sets up, and enables it for places or ways.
     void enable_for(c630s::displacement_type ways) {
@@ -76,7 +76,9 @@ TEST_CASE("an axis goes to places by its own segment, and says where it is") {
 }
 
 TEST_CASE("where an axis is follows from its position only, whichever block is read") {
-    rig r{ram, c630s::encoder_counts::unknown, {.feedback = milliseconds(20)}};
+    rig r{ram,
+          c630s::encoder_counts::unknown,
+          {.feedback = milliseconds(20), .command_timeout = no_command_timeout}};
     r.enable_for(places);
     REQUIRE(r.drive.run(travel_to{12.5_mm, quick}, wait_reached{}).how == arrival_state::reached);
     const std::uint64_t end = r.wire.time_us() + 300'000;
@@ -153,7 +155,7 @@ TEST_CASE("ways do not drift, and the rest is kept over what is refused") {
 // 475 units of 13.1072 counts are 6225.92 counts [erratum C84].
 TEST_CASE("a gear that keeps what is below a count of the encoder does not drift; one that drops it does") {
     for (const bool keeps : {false, true}) {
-        rig r{fast, c630s::encoder_counts::unknown, {}, {.gear_keeps_rest = keeps}};
+        rig r{fast, c630s::encoder_counts::unknown, without_watchdog, {.gear_keeps_rest = keeps}};
         r.enable_for(ways);
         const std::int64_t from = r.model.position();
         for (int i = 0; i < 100; ++i)

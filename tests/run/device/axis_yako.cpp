@@ -28,15 +28,15 @@ constexpr axis_profile quick{.top = 50_mm_per_s, .acceleration = 50_ms, .deceler
 
 struct closed : simulated_closed_loop {
     yako::closed_loop::axis_drive<line_type> drive;
-    explicit closed(const axis& of, const optional_supervision& by = {}, sim::yako_options options = {})
+    explicit closed(const axis& of, const supervision& by = without_watchdog, sim::yako_options options = {})
         : simulated_closed_loop{options}, drive{line, 1, of, by} {}
 };
 struct open : simulated_open_loop {
     yako::open_loop::axis_drive<line_type> drive;
-    explicit open(const axis& of, const optional_supervision& by = {}) : drive{line, 1, of, by} {}
+    explicit open(const axis& of, const supervision& by = without_watchdog) : drive{line, 1, of, by} {}
 };
 template <class Rig> struct ready : Rig {
-    explicit ready(const axis& of, const optional_supervision& by = {}) : Rig{of, by} {
+    explicit ready(const axis& of, const supervision& by = without_watchdog) : Rig{of, by} {
         REQUIRE(this->drive.run(init{}));
         REQUIRE(this->drive.run(enable{}));
         REQUIRE(this->drive.run(declare_place{0_mm}));
@@ -300,7 +300,7 @@ TEST_CASE("where the drive counts tenths of r/min, speeds are finer") {
 }
 
 TEST_CASE("a restart: the place is not known, and begins anew after init") {
-    ready<closed> r{screw, {.feedback = milliseconds(20)}};
+    ready<closed> r{screw, {.feedback = milliseconds(20), .command_timeout = no_command_timeout}};
     REQUIRE(r.to({12.5_mm, quick}) == arrival_state::reached);
     r.loop(100);
     CHECK(r.drive.position(milliseconds(100)).value_or({}) == 12.5_mm);

@@ -10,6 +10,7 @@
 
 #include <doctest/doctest.h>
 
+#include <servobus/control/axis_commands.hpp>
 #include <servobus/control/take_over.hpp>
 #include <servobus/control/wiring.hpp>
 
@@ -179,6 +180,20 @@ TEST_CASE("the status and the settings that a program keeps are those of when it
     static_assert(!std::is_reference_v<decltype(r.drive.last())> &&
                   !std::is_reference_v<decltype(r.drive.cached())>);
 }
+
+namespace {
+template <class Arrival> constexpr bool is_true_where_reached() {
+    Arrival a{};
+    for (const arrival_state how : {arrival_state::none, arrival_state::under_way,
+                                    arrival_state::stopped_short, arrival_state::reached}) {
+        a.how = how;
+        if (static_cast<bool>(a) != (how == arrival_state::reached)) return false;
+    }
+    return true;
+}
+static_assert(is_true_where_reached<zlac8015d::arrival>() && is_true_where_reached<c630s::arrival>() &&
+              is_true_where_reached<yako::arrival>() && is_true_where_reached<axis_arrival>());
+} // namespace
 
 TEST_CASE_TEMPLATE("4.1: whether a motion was seen is asked anew by each move", S, wheels, stepper, servo) {
     S s;

@@ -59,7 +59,7 @@ TEST_CASE_TEMPLATE("G34, G39: a YAKO that restarts on its way to zero is not tak
                     CAPTURE(feedback);
                     CAPTURE(at);
                     stepper<Axis> b{115200, sim::yako_options{},
-                                    optional_supervision{milliseconds(feedback)}};
+                                    supervision{milliseconds(feedback), no_command_timeout}};
                     REQUIRE(b.drive.run(y::init{}));
                     REQUIRE(b.drive.run(y::enable{}));
                     REQUIRE(b.drive.run(y::move_by{1500 * pulse}, y::wait_reached{}).how ==
@@ -95,7 +95,7 @@ TEST_CASE("G34, G37: a homing that a restart cuts short is not done, also where 
         for (std::uint32_t at = 1'000; at < 900'000; at += 41'000) {
             sim::yako_options options{};
             options.restart_keeps_homed = keeps_homed;
-            stepper<closed> b{115200, options, optional_supervision{}};
+            stepper<closed> b{115200, options, without_watchdog};
             REQUIRE(b.drive.run(y::init{}));
             REQUIRE(b.drive.run(y::enable{}));
             REQUIRE(b.drive.run(y::declare_position{0 * pulse}));
@@ -170,7 +170,7 @@ TEST_CASE_TEMPLATE(
     unsigned judged = 0;
     for (const bool jogs : {false, true}) {
         for (std::uint32_t phase = 0; phase < 40; ++phase) {
-            stepper<Axis> b{115200, sim::yako_options{}, optional_supervision{}};
+            stepper<Axis> b{115200, sim::yako_options{}, without_watchdog};
             REQUIRE(b.drive.run(y::init{}));
             REQUIRE(b.drive.run(y::enable{}));
             REQUIRE((jogs ? b.drive.run(y::velocity{300 * r_per_min})
@@ -195,7 +195,7 @@ TEST_CASE_TEMPLATE(
 }
 
 TEST_CASE("G39: after a declared position, a clearing or a homing a lower position raises no suspicion") {
-    stepper<closed> b{115200, sim::yako_options{}, optional_supervision{}};
+    stepper<closed> b{115200, sim::yako_options{}, without_watchdog};
     REQUIRE(b.drive.run(y::init{}));
     REQUIRE(b.drive.run(y::enable{}));
     REQUIRE(b.drive.run(y::move_by{20'000 * pulse}, y::wait_reached{}).how == arrival_state::reached);
@@ -211,7 +211,7 @@ TEST_CASE("G39: after a declared position, a clearing or a homing a lower positi
 TEST_CASE("G36, G39: no position of a restarted C630S is given as that of the one before") {
     unsigned judged = 0, anew = 0;
     for (std::uint32_t phase = 0; phase < 120; ++phase) {
-        bench<sim::c630s, c::drive<on_wire>> b{57600, sim::c630s_options{}, optional_supervision{}};
+        bench<sim::c630s, c::drive<on_wire>> b{57600, sim::c630s_options{}, without_watchdog};
         REQUIRE(b.drive.run(c::init{}));
         REQUIRE(b.drive.run(c::set_up{}));
         b.machine.power_cycle();
@@ -246,7 +246,7 @@ TEST_CASE("G36, G39: no position of a restarted C630S is given as that of the on
 
 TEST_CASE(
     "G36, G39: after a homing no position of a C630S is given that counts from where it counted before") {
-    bench<sim::c630s, c::drive<on_wire>> b{57600, sim::c630s_options{}, optional_supervision{}};
+    bench<sim::c630s, c::drive<on_wire>> b{57600, sim::c630s_options{}, without_watchdog};
     REQUIRE(b.drive.run(c::init{}));
     REQUIRE(b.drive.run(c::set_up{}));
     b.machine.power_cycle();
@@ -287,7 +287,7 @@ TEST_CASE(
     static std::vector<std::array<std::uint8_t, 8>> seen;
     seen.clear();
     bench<sim::c630s, c::drive<on_wire>> b{57600, sim::c630s_options{},
-                                           optional_supervision{milliseconds(20)}};
+                                           supervision{milliseconds(20), no_command_timeout}};
     REQUIRE(b.drive.run(c::init{}));
     REQUIRE(b.drive.run(c::set_up{}));
     b.machine.power_cycle();
@@ -328,7 +328,8 @@ TEST_CASE(
         for (std::uint32_t after = 5'000; after < 490'000; after += 40'000) {
             CAPTURE(is_init);
             CAPTURE(after);
-            stepper<closed> b{115200, sim::yako_options{}, optional_supervision{milliseconds(250)}};
+            stepper<closed> b{115200, sim::yako_options{},
+                              supervision{milliseconds(250), no_command_timeout}};
             REQUIRE(b.drive.run(y::init{}));
             REQUIRE(b.drive.run(y::enable{}));
             REQUIRE(b.drive.run(y::move_by{3000 * pulse}, y::wait_reached{}).how == arrival_state::reached);
@@ -353,7 +354,7 @@ TEST_CASE(
     unsigned judged = 0;
     for (std::uint32_t at = 3'000; at < 400'000; at += 7'000) {
         CAPTURE(at);
-        stepper<closed> b{115200, sim::yako_options{}, optional_supervision{milliseconds(100)}};
+        stepper<closed> b{115200, sim::yako_options{}, supervision{milliseconds(100), no_command_timeout}};
         REQUIRE(b.drive.run(y::init{}));
         REQUIRE(b.drive.run(y::enable{}));
         REQUIRE(b.drive.run(y::move_by{700 * pulse}, y::wait_reached{}).how == arrival_state::reached);

@@ -33,7 +33,8 @@ struct rig {
     line_type on{wire, modbus::timing_at(19200)};
     winch::drive<line_type> drum;
 
-    explicit rig(optional_supervision by = {}, std::uint64_t seed = 1) : wire{19200, seed}, drum{on, 5, by} {
+    explicit rig(supervision by = without_watchdog, std::uint64_t seed = 1)
+        : wire{19200, seed}, drum{on, 5, by} {
         wire.attach(station);
     }
     rig(const rig&) = delete;
@@ -150,7 +151,7 @@ TEST_CASE("own drive: on a line that loses frames a start is made at most once, 
     unsigned struck = 0;
     for (std::uint64_t seed = 1; seed <= 60; ++seed) {
         CAPTURE(seed);
-        rig r{{}, seed};
+        rig r{servobus::without_watchdog, seed};
         r.ready();
         r.loop(static_cast<std::uint32_t>(seed));
         r.wire.faults() = {.lost_request = 100, .lost_response = 150};

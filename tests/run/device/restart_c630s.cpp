@@ -43,7 +43,8 @@ struct wire_log {
 struct program : simulated::simulated_c630s {
     c630s::drive<line_type> servo;
 
-    explicit program(duration every) : servo{line, 1, {.feedback = every}} {
+    explicit program(duration every)
+        : servo{line, 1, {.feedback = every, .command_timeout = no_command_timeout}} {
         REQUIRE(servo.run(init{}));
         REQUIRE(servo.run(set_up{}));
         model.power_cycle();

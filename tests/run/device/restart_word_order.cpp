@@ -32,7 +32,7 @@ struct rig {
     sim::station<sim::yako_closed_loop> station{model};
     sim::virtual_line wire{115200};
     line_type on{wire, modbus::timing_at(115200)};
-    yako::closed_loop::drive<line_type> lift{on, lift_node, servobus::unsupervised};
+    yako::closed_loop::drive<line_type> lift{on, lift_node, servobus::by_plan};
     bus<seldom, line_type, decltype(lift)> all{on, lift};
 
     rig() {
@@ -220,7 +220,7 @@ TEST_CASE("G22: a bus whose facade has cached the word order gives no 32-bit val
 TEST_CASE("G22: a bus gives no 32-bit value in the old order also if the restart follows directly after "
           "`init`") {
     rig r;
-    yako::closed_loop::drive<rig::line_type> fresh{r.on, lift_node, servobus::unsupervised};
+    yako::closed_loop::drive<rig::line_type> fresh{r.on, lift_node, servobus::by_plan};
     auto all = make_bus<seldom>(r.on, fresh);
     const auto run = [&](std::uint32_t ms) {
         const std::uint64_t until = r.wire.time_us() + std::uint64_t{ms} * 1000u;

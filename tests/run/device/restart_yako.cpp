@@ -28,7 +28,8 @@ constexpr u16 segment_16 = 0x00BA;
 
 /// An axis whose feedback is polled.
 struct polled_axis : simulated::simulated_closed_loop {
-    closed_loop::drive<line_type> drive{line, 1, optional_supervision{.feedback = milliseconds(8)}};
+    closed_loop::drive<line_type> drive{
+        line, 1, supervision{.feedback = milliseconds(8), .command_timeout = no_command_timeout}};
 
     void step() {
         (void)drive.step();

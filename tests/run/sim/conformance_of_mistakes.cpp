@@ -24,7 +24,7 @@ template <class Model, class Line> class planted : public facade<Model, Line> {
     using base = facade<Model, Line>;
 
   public:
-    planted(Line& on, std::uint8_t at, const optional_supervision& by)
+    planted(Line& on, std::uint8_t at, const supervision& by)
         : base{on, node<winch::device>{at}, by.feedback, by.command_timeout} {}
 
     winch::arrival arrival() const {

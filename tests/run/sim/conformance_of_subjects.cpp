@@ -61,7 +61,7 @@ template <class Line> class blind_drive : public facade<without_witness, Line> {
     using base = facade<without_witness, Line>;
 
   public:
-    blind_drive(Line& on, std::uint8_t at, const optional_supervision& by)
+    blind_drive(Line& on, std::uint8_t at, const supervision& by)
         : base{on, node<winch::device>{at}, by.feedback, by.command_timeout} {}
     winch::arrival arrival() const { return {}; }
     result<winch::feedback> feedback(duration oldest) const {

@@ -16,8 +16,8 @@ namespace servobus::detail {
 class terms {
   public:
     template <class Node>
-    constexpr explicit terms(const Node& at)
-        : limits_{at.limits}, gaps_{at.gaps}, read_retries_{at.read_retries} {}
+    constexpr terms(const Node& at, bool is_by_plan)
+        : limits_{at.limits}, gaps_{at.gaps}, read_retries_{at.read_retries}, is_refused_{is_by_plan} {}
 
     constexpr const response_limits& limits() const { return limits_; }
     constexpr response_limits& limits() { return limits_; }
@@ -30,9 +30,11 @@ class terms {
 
     /// The plan has another drive in its place.
     constexpr void refuse() { is_refused_ = true; }
+    /// True also for a drive that waits for the bus of its plan.
     constexpr bool is_refused() const { return is_refused_; }
     /// Takes over what a plan states.
     constexpr void adopt(const response_limits& limits, const bus_gaps& gaps, duration longest_response) {
+        is_refused_ = false;
         limits_ = limits;
         gaps_ = gaps;
         bound_response(longest_response);
@@ -49,7 +51,7 @@ class terms {
     bus_gaps gaps_;
     std::uint8_t read_retries_;
     servobus::priority priority_ = servobus::priority::ordinary;
-    bool is_refused_ = false;
+    bool is_refused_;
 };
 
 } // namespace servobus::detail

@@ -202,26 +202,26 @@ template <class Line> class axis_drive : public axis_facade<basic_drive<Line, ax
     using base = axis_facade<basic_drive<Line, axis_model>>;
 
   public:
-    constexpr axis_drive(Line& on, std::uint8_t at, const axis& of, const optional_supervision& by = {},
+    constexpr axis_drive(Line& on, std::uint8_t at, const axis& of, const supervision& by = without_watchdog,
                          encoder_counts encoder = encoder_counts::unknown)
         : axis_drive{on, servobus::node<device>{at}, of, by, encoder} {}
     /// With limits and gaps of its own.
     constexpr axis_drive(Line& on, const servobus::node<device>& at, const axis& of,
-                         const optional_supervision& by = {},
+                         const supervision& by = without_watchdog,
                          encoder_counts encoder = encoder_counts::unknown)
         : base{of, on, at, by} {
         this->model().set_encoder(encoder);
     }
-    axis_drive(Line&, std::uint8_t, const axis&&, const optional_supervision& = {},
+    axis_drive(Line&, std::uint8_t, const axis&&, const supervision& = without_watchdog,
                encoder_counts = encoder_counts::unknown) = delete; // it is referred to
-    axis_drive(Line&, const servobus::node<device>&, const axis&&, const optional_supervision& = {},
+    axis_drive(Line&, const servobus::node<device>&, const axis&&, const supervision& = without_watchdog,
                encoder_counts = encoder_counts::unknown) = delete;
 };
 template <class Line>
-axis_drive(Line&, std::uint8_t, const axis&, const optional_supervision& = {},
+axis_drive(Line&, std::uint8_t, const axis&, const supervision& = without_watchdog,
            encoder_counts = encoder_counts::unknown) -> axis_drive<Line>;
 template <class Line>
-axis_drive(Line&, const servobus::node<device>&, const axis&, const optional_supervision& = {},
+axis_drive(Line&, const servobus::node<device>&, const axis&, const supervision& = without_watchdog,
            encoder_counts = encoder_counts::unknown) -> axis_drive<Line>;
 
 } // namespace servobus::c630s

@@ -25,10 +25,11 @@ template <class Line, class Model = model> class basic_drive : public facade<Mod
     using base = facade<Model, Line>;
 
   public:
-    constexpr explicit basic_drive(Line& on, std::uint8_t at = 1, const optional_supervision& by = {})
+    constexpr explicit basic_drive(Line& on, std::uint8_t at = 1, const supervision& by = without_watchdog)
         : basic_drive{on, servobus::node<device>{at}, by} {}
     /// With limits and gaps of its own.
-    constexpr basic_drive(Line& on, const servobus::node<device>& at, const optional_supervision& by = {})
+    constexpr basic_drive(Line& on, const servobus::node<device>& at,
+                          const supervision& by = without_watchdog)
         : base{on, at, by.feedback, by.command_timeout} {}
 
     /// The word order of 32-bit values; `unknown` before `init`, while a command may change it, and after a
@@ -145,9 +146,9 @@ template <class Line> class drive : public basic_drive<Line> {
     using basic_drive<Line>::basic_drive; // C++20 deduces no `Line` from them: the guides do
 };
 template <class Line> drive(Line&, std::uint8_t) -> drive<Line>;
-template <class Line> drive(Line&, std::uint8_t, const optional_supervision&) -> drive<Line>;
+template <class Line> drive(Line&, std::uint8_t, const supervision&) -> drive<Line>;
 template <class Line> drive(Line&, const servobus::node<device>&) -> drive<Line>;
-template <class Line> drive(Line&, const servobus::node<device>&, const optional_supervision&) -> drive<Line>;
+template <class Line> drive(Line&, const servobus::node<device>&, const supervision&) -> drive<Line>;
 template <class Line> drive(Line&) -> drive<Line>;
 
 } // namespace servobus::c630s

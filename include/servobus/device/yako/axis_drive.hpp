@@ -154,15 +154,16 @@ class basic_axis_drive : public servobus::axis_facade<basic_drive<Device, Line, 
     using base = servobus::axis_facade<basic_drive<Device, Line, axis_model<Device>>>;
 
   public:
-    constexpr basic_axis_drive(Line& on, std::uint8_t at, const axis& of, const optional_supervision& by = {})
+    constexpr basic_axis_drive(Line& on, std::uint8_t at, const axis& of,
+                               const supervision& by = without_watchdog)
         : basic_axis_drive{on, servobus::node<Device>{at}, of, by} {}
     /// With limits and gaps of its own.
     constexpr basic_axis_drive(Line& on, const servobus::node<Device>& at, const axis& of,
-                               const optional_supervision& by = {})
+                               const supervision& by = without_watchdog)
         : base{of, on, at, by} {}
-    basic_axis_drive(Line&, std::uint8_t, const axis&&, const optional_supervision& = {}) = delete;
+    basic_axis_drive(Line&, std::uint8_t, const axis&&, const supervision& = without_watchdog) = delete;
     basic_axis_drive(Line&, const servobus::node<Device>&, const axis&&,
-                     const optional_supervision& = {}) = delete; // it is referred to
+                     const supervision& = without_watchdog) = delete; // it is referred to
 };
 
 namespace closed_loop {
@@ -171,9 +172,9 @@ template <class Line> class axis_drive : public basic_axis_drive<device, Line> {
     using basic_axis_drive<device, Line>::basic_axis_drive;
 };
 template <class Line>
-axis_drive(Line&, std::uint8_t, const axis&, const optional_supervision& = {}) -> axis_drive<Line>;
+axis_drive(Line&, std::uint8_t, const axis&, const supervision& = without_watchdog) -> axis_drive<Line>;
 template <class Line>
-axis_drive(Line&, const servobus::node<device>&, const axis&, const optional_supervision& = {})
+axis_drive(Line&, const servobus::node<device>&, const axis&, const supervision& = without_watchdog)
     -> axis_drive<Line>;
 } // namespace closed_loop
 
@@ -183,9 +184,9 @@ template <class Line> class axis_drive : public basic_axis_drive<device, Line> {
     using basic_axis_drive<device, Line>::basic_axis_drive;
 };
 template <class Line>
-axis_drive(Line&, std::uint8_t, const axis&, const optional_supervision& = {}) -> axis_drive<Line>;
+axis_drive(Line&, std::uint8_t, const axis&, const supervision& = without_watchdog) -> axis_drive<Line>;
 template <class Line>
-axis_drive(Line&, const servobus::node<device>&, const axis&, const optional_supervision& = {})
+axis_drive(Line&, const servobus::node<device>&, const axis&, const supervision& = without_watchdog)
     -> axis_drive<Line>;
 } // namespace open_loop
 

@@ -35,10 +35,11 @@ class basic_drive : public facade<Model, Line> {
     using base = facade<Model, Line>;
 
   public:
-    constexpr explicit basic_drive(Line& on, std::uint8_t at = 1, const optional_supervision& by = {})
+    constexpr explicit basic_drive(Line& on, std::uint8_t at = 1, const supervision& by = without_watchdog)
         : basic_drive{on, servobus::node<Device>{at}, by} {}
     /// With limits and gaps of its own.
-    constexpr basic_drive(Line& on, const servobus::node<Device>& at, const optional_supervision& by = {})
+    constexpr basic_drive(Line& on, const servobus::node<Device>& at,
+                          const supervision& by = without_watchdog)
         : base{on, at, by.feedback, by.command_timeout} {}
 
     /// The word order of 32-bit values; `unknown` before `init`, while a command may change it, and after a

@@ -22,9 +22,9 @@ namespace closed_loop {
 template <class Line> class drive : public basic_drive<device, Line> {
     using basic_drive<device, Line>::basic_drive; // C++20 deduces no `Line` from them: the guides do
 };
-template <class Line> drive(Line&, std::uint8_t = 1, const optional_supervision& = {}) -> drive<Line>;
+template <class Line> drive(Line&, std::uint8_t = 1, const supervision& = without_watchdog) -> drive<Line>;
 template <class Line>
-drive(Line&, const servobus::node<device>&, const optional_supervision& = {}) -> drive<Line>;
+drive(Line&, const servobus::node<device>&, const supervision& = without_watchdog) -> drive<Line>;
 } // namespace closed_loop
 
 namespace open_loop {
@@ -32,9 +32,9 @@ namespace open_loop {
 template <class Line> class drive : public basic_drive<device, Line> {
     using basic_drive<device, Line>::basic_drive;
 };
-template <class Line> drive(Line&, std::uint8_t = 1, const optional_supervision& = {}) -> drive<Line>;
+template <class Line> drive(Line&, std::uint8_t = 1, const supervision& = without_watchdog) -> drive<Line>;
 template <class Line>
-drive(Line&, const servobus::node<device>&, const optional_supervision& = {}) -> drive<Line>;
+drive(Line&, const servobus::node<device>&, const supervision& = without_watchdog) -> drive<Line>;
 } // namespace open_loop
 
 } // namespace servobus::yako

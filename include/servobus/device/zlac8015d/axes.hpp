@@ -295,7 +295,7 @@ template <class Line> class axes : public basic_drive<Line, axes_model> {
     /// Limits the speeds of both axes: `top`, and the times from standstill to it and back. `travel_at` shapes its
     /// setpoints by them, `travel_to` and `travel_by` are refused. The next `init` writes ramps of 10 ms, and the time
     /// in which the drive stops without the program, no harder than the limits. Errors as `robot::set_limits`.
-    constexpr errc set_limits(const axis_profile& left, const axis_profile& right) {
+    constexpr status set_limits(const axis_profile& left, const axis_profile& right) {
         if (this->state() == drive_state::enabled) return errc::wrong_state;
         const result<motor_speed> left_top = place(wheels::left).geometry().motor_speed_of(left.top);
         const result<motor_speed> right_top = place(wheels::right).geometry().motor_speed_of(right.top);

@@ -18,11 +18,14 @@
 namespace servobus::zlac8015d {
 
 /// Where the last move of the wheels has come to.
-struct arrival {
+struct [[nodiscard]] arrival {
     arrival_state how = arrival_state::none;
     stop_cause cause = stop_cause::unknown; ///< why it `stopped_short`
     distance left_missing{};                ///< from the left wheel's position to its target
     distance right_missing{};
+
+    /// At rest at its target.
+    constexpr explicit operator bool() const { return how == arrival_state::reached; }
 };
 
 /// The model of the drive for `servobus::facade`.

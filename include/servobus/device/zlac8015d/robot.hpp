@@ -97,7 +97,7 @@ template <class Line> class robot : public basic_drive<Line, robot_model> {
     /// - `wrong_state` while the drive is enabled
     /// - `bad_argument` for a profile that is not whole or has a start
     /// - `out_of_range` above 3276 r/min of a motor, 6553 r/min in a second, or 17 s
-    constexpr errc set_limits(const axis_profile& by) {
+    constexpr status set_limits(const axis_profile& by) {
         if (this->state() == drive_state::enabled) return errc::wrong_state;
         const wheel_speeds top = this->model().base().wheels({by.top, {}}, 10, 0x7FFF);
         const std::int32_t left = top.left < 0 ? -top.left : top.left;
