@@ -27,10 +27,10 @@ using namespace servobus;
 using namespace servobus::literals;
 
 // Presumes devices that respond within 30 ms, and are never late by more than 70 ms: `servobus doctor` measures them.
-inline constexpr auto wheels_node = prompt(node<zlac8015d::device>{1});
-inline constexpr auto lift_node = prompt(node<yako::closed_loop::device>{2});
-inline constexpr auto press_node = prompt(node<c630s::device>{3});
-inline constexpr auto eye_node = prompt(node<eye::device>{9});
+inline constexpr auto wheels_node = responds_within(node<zlac8015d::device>{1}, 30_ms);
+inline constexpr auto lift_node = responds_within(node<yako::closed_loop::device>{2}, 30_ms);
+inline constexpr auto press_node = responds_within(node<c630s::device>{3}, 30_ms);
+inline constexpr auto eye_node = responds_within(node<eye::device>{9}, 30_ms);
 inline constexpr auto shared =
     settings_on_one_line(wheels_node, lift_node, press_node); // 38400 8N1; what each needs to get there
 inline constexpr poll_plan plan{

@@ -27,7 +27,10 @@ template <class Line> class robot {
   public:
     // Presumes a drive that responds within 30 ms, and is never late by more than 70 ms: `servobus doctor` measures it.
     explicit robot(Line& wire)
-        : wheels_{wire, prompt(node<z::device>{1}), base, {.feedback = 20_ms, .command_timeout = 300_ms}} {
+        : wheels_{wire,
+                  responds_within(node<z::device>{1}, 30_ms),
+                  base,
+                  {.feedback = 20_ms, .command_timeout = 300_ms}} {
         (void)wheels_.set_limits(limits); // within what a drive can count
     }
 

@@ -145,7 +145,7 @@ template <class Port> class robot_hardware {
 
     servobus::node<servobus::zlac8015d::device> node() const {
         const servobus::node<servobus::zlac8015d::device> at{static_cast<std::uint8_t>(chosen_.node)};
-        return prompt(at, servobus::milliseconds(chosen_.response_ms));
+        return responds_within(at, servobus::milliseconds(chosen_.response_ms));
     }
     std::string open_error(servobus::errc why) const {
         const bool is_rs485 = why == servobus::errc::rs485_refused || why == servobus::errc::rs485_late;

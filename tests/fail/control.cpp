@@ -229,9 +229,7 @@ inline constexpr poll_plan plan_13{modbus::timing_at(115200), controlled(node<zl
 inline constexpr poll_plan plan_14{modbus::timing_at(115200), controlled(node<zlac::device>{1}, {.command_timeout = milliseconds(300)}),
     own_requests(node<zlac::device>{9}, milliseconds(500), 125)};
 consteval node<zlac::device> quick(std::uint8_t address) {
-    node<zlac::device> n{address};
-    n.gaps.quarantine = milliseconds(79);
-    return n;
+    return responds_within(node<zlac::device>{address}, milliseconds(53));
 }
 constexpr supervision supervised_by_default{.feedback = milliseconds(20), .command_timeout = milliseconds(300)};
 inline constexpr poll_plan plan_16{modbus::timing_at(115200),

@@ -3,11 +3,9 @@
 //
 // Two drives with the default limits of their nodes: a lost response and a stop take longer than a watchdog allows.
 // EXPECT: a_drive_of_this_plan_could_miss_its_keep_alive
-// FIGURES: 1, 938000, 1105222, 79, 1179
+// FIGURES: 1, 938000, 1105222, 53, 1179
 // MEND: consteval node<zlac::device> quick(std::uint8_t address) {
-//     node<zlac::device> n{address};
-//     n.gaps.quarantine = milliseconds(79);
-//     return n;
+//     return responds_within(node<zlac::device>{address}, milliseconds(53));
 // }
 #include <servobus/device/zlac8015d.hpp>
 

@@ -3,6 +3,7 @@
 //
 // Reads that the line has no time for.
 // EXPECT: the_entries_of_this_plan_do_not_fit_on_the_line
+// FIGURES: 5043, 1, 5043
 // MEND: cyclic<zlac::status_word>(node<zlac::device>{1}, milliseconds(50))
 #include "program.hpp"
 

@@ -15,8 +15,8 @@
 namespace trial::plans {
 
 template <class Device>
-constexpr servobus::node<Device> prompt(std::uint8_t node_address, std::uint32_t response_ms,
-                                        std::uint32_t quarantine_ms, std::uint32_t gap_us = 0) {
+constexpr servobus::node<Device> with_times(std::uint8_t node_address, std::uint32_t response_ms,
+                                            std::uint32_t quarantine_ms, std::uint32_t gap_us = 0) {
     servobus::node<Device> n{node_address};
     n.limits.response = servobus::milliseconds(response_ms);
     n.gaps.quarantine = servobus::milliseconds(quarantine_ms);
@@ -32,10 +32,10 @@ constexpr servobus::supervision every(std::uint32_t ms) {
 /// Wheels and a lift that are polled at high rates, a test device, and one that the program itself asks.
 namespace fast {
 inline constexpr std::uint32_t baud = 115200;
-inline constexpr auto wheels_node = prompt<servobus::zlac8015d::device>(1, 30, 40);
-inline constexpr auto lift_node = prompt<servobus::yako::closed_loop::device>(2, 30, 40, 3000);
-inline constexpr auto test_node = prompt<test_device::device>(11, 40, 50);
-inline constexpr auto asked_node = prompt<test_device::device>(21, 25, 40);
+inline constexpr auto wheels_node = with_times<servobus::zlac8015d::device>(1, 30, 40);
+inline constexpr auto lift_node = with_times<servobus::yako::closed_loop::device>(2, 30, 40, 3000);
+inline constexpr auto test_node = with_times<test_device::device>(11, 40, 50);
+inline constexpr auto asked_node = with_times<test_device::device>(21, 25, 40);
 inline constexpr servobus::poll_plan plan{
     servobus::modbus::timing_at(baud),
     servobus::controlled(wheels_node, every(30)),
@@ -50,11 +50,11 @@ inline constexpr servobus::poll_plan plan{
 /// A servo and three test devices, one of which has a keep-alive, and one that the program itself asks.
 namespace slow {
 inline constexpr std::uint32_t baud = 19200;
-inline constexpr auto servo_node = prompt<servobus::c630s::device>(3, 60, 50);
-inline constexpr auto first_node = prompt<test_device::device>(11, 50, 60);
-inline constexpr auto second_node = prompt<test_device::device>(12, 40, 30, 5000);
-inline constexpr auto third_node = prompt<test_device::device>(13, 80, 40);
-inline constexpr auto asked_node = prompt<test_device::device>(22, 90, 50, 6000);
+inline constexpr auto servo_node = with_times<servobus::c630s::device>(3, 60, 50);
+inline constexpr auto first_node = with_times<test_device::device>(11, 50, 60);
+inline constexpr auto second_node = with_times<test_device::device>(12, 40, 30, 5000);
+inline constexpr auto third_node = with_times<test_device::device>(13, 80, 40);
+inline constexpr auto asked_node = with_times<test_device::device>(22, 90, 50, 6000);
 inline constexpr servobus::poll_plan plan{
     servobus::modbus::timing_at(baud, servobus::modbus::timing_mode::strict),
     servobus::controlled(servo_node, every(100)),

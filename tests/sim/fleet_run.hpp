@@ -25,10 +25,10 @@ namespace trial {
 
 namespace plans::three {
 inline constexpr std::uint32_t baud = 115200;
-inline constexpr auto wheels_node = prompt<servobus::zlac8015d::device>(1, 20, 15);
-inline constexpr auto lift_node = prompt<servobus::yako::closed_loop::device>(2, 20, 15, 2500);
-inline constexpr auto servo_node = prompt<servobus::c630s::device>(3, 46, 15);
-inline constexpr auto test_node = prompt<test_device::device>(11, 20, 15);
+inline constexpr auto wheels_node = with_times<servobus::zlac8015d::device>(1, 20, 15);
+inline constexpr auto lift_node = with_times<servobus::yako::closed_loop::device>(2, 20, 15, 2500);
+inline constexpr auto servo_node = with_times<servobus::c630s::device>(3, 46, 15);
+inline constexpr auto test_node = with_times<test_device::device>(11, 20, 15);
 inline constexpr servobus::poll_plan plan{
     servobus::modbus::timing_at(baud, servobus::modbus::timing_mode::host, servobus::milliseconds(15)),
     servobus::controlled(wheels_node, every(30)),

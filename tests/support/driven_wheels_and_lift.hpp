@@ -17,8 +17,10 @@
 namespace tests {
 
 // These drives respond within a few milliseconds, so their time limits are short, and an absent drive costs little.
-inline constexpr auto wheels_node = servobus::prompt(servobus::node<servobus::zlac8015d::device>{1});
-inline constexpr auto lift_node = servobus::prompt(servobus::node<servobus::yako::closed_loop::device>{2});
+inline constexpr auto wheels_node =
+    servobus::responds_within(servobus::node<servobus::zlac8015d::device>{1}, servobus::milliseconds(30));
+inline constexpr auto lift_node = servobus::responds_within(
+    servobus::node<servobus::yako::closed_loop::device>{2}, servobus::milliseconds(30));
 
 inline constexpr servobus::poll_plan fast_plan{
     servobus::modbus::timing_at(115200),

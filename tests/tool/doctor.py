@@ -294,7 +294,7 @@ def limit_in_a_program(tool: Doctor, device: str, type_name: str, usual: int, de
         return
     stated = re.findall(r"(?m)^line +in a program: (.*)$", tool.last.out)
     wanted = ["" if usual / 2 < ms <= usual else
-              f"prompt(node<{type_name}>{{1}}, milliseconds({ms})) waits {ms} ms for a response; by default it is {usual} ms"
+              f"responds_within(node<{type_name}>{{1}}, milliseconds({ms})) waits {ms} ms for a response; by default it is {usual} ms"
               for ms in limits_for(float(measured[1]))]
     tool.check(f"{device}, {delay}: the code that states the limit", "".join(stated) in wanted, f"{wanted}\n{tool.found()}")
     if delay:

@@ -69,8 +69,9 @@ void state_limit(report& to, const target& of, const session& on, const line_acc
     const unsigned wanted = limit_for(heard.most());
     if (on.port().is_network() || !heard.is_reliable() || (wanted <= usual && wanted > usual / 2)) return;
     const std::string ms = std::to_string(wanted);
-    to.line("in a program: prompt(node<" + type_of(of) + ">{" + std::to_string(of.node) + "}, milliseconds(" +
-            ms + ")) waits " + ms + " ms for a response; by default it is " + std::to_string(usual) + " ms");
+    to.line("in a program: responds_within(node<" + type_of(of) + ">{" + std::to_string(of.node) +
+            "}, milliseconds(" + ms + ")) waits " + ms + " ms for a response; by default it is " +
+            std::to_string(usual) + " ms");
 }
 
 } // namespace

@@ -46,13 +46,19 @@ template <device_class Device> struct node : detail::node_order<Device> {
     }
 };
 
+namespace detail {
+/// The quarantine of a node that responds within a time: a response may be 10 ms late.
+constexpr duration quarantine_of(duration within, const bus_gaps& gaps) {
+    return longer_of(within + milliseconds(10), gaps.gap);
+}
+} // namespace detail
+
 /// A node that responds `within` a shorter time than its profile grants, so that on a line that it shares others wait
 /// less when it does not respond. Only for a device that was seen to: a response that comes later is dropped in the
 /// quarantine, which is 10 ms longer, and the request counts as one without a response.
-template <device_class Device>
-constexpr node<Device> prompt(node<Device> at, duration within = milliseconds(30)) {
+template <device_class Device> constexpr node<Device> responds_within(node<Device> at, duration within) {
     at.limits.response = within;
-    at.gaps.quarantine = longer_of(within + milliseconds(10), at.gaps.gap);
+    at.gaps.quarantine = detail::quarantine_of(within, at.gaps);
     return at;
 }
 

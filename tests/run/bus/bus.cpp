@@ -469,10 +469,11 @@ TEST_CASE("G19, G26: stops that are repeated to an absent drive alternate with t
 
 namespace {
 template <std::uint8_t Unit> consteval auto status_of() {
-    return cyclic<zlac8015d::status_word>(prompt(node<wheels_device>{Unit}), milliseconds(100));
+    return cyclic<zlac8015d::status_word>(responds_within(node<wheels_device>{Unit}, milliseconds(30)),
+                                          milliseconds(100));
 }
 template <std::uint8_t Unit> consteval auto controlled_wheels() {
-    return controlled(prompt(node<wheels_device>{Unit}), unsupervised);
+    return controlled(responds_within(node<wheels_device>{Unit}, milliseconds(30)), unsupervised);
 }
 inline constexpr poll_plan crowd{modbus::timing_at(115200),
                                  status_of<1>(),
@@ -498,9 +499,10 @@ TEST_CASE(
     for (station& s : stations) REQUIRE(wire.attach(s));
     using line_type = scheduled_line<sim::virtual_line, seen_requests>;
     line_type on{wire, crowd.timing()};
-    zlac8015d::drive<line_type> two{on, prompt(node<wheels_device>{2}), by_plan},
-        three{on, prompt(node<wheels_device>{3}), by_plan}, four{on, prompt(node<wheels_device>{4}), by_plan},
-        five{on, prompt(node<wheels_device>{5}), by_plan};
+    zlac8015d::drive<line_type> two{on, responds_within(node<wheels_device>{2}, milliseconds(30)), by_plan},
+        three{on, responds_within(node<wheels_device>{3}, milliseconds(30)), by_plan},
+        four{on, responds_within(node<wheels_device>{4}, milliseconds(30)), by_plan},
+        five{on, responds_within(node<wheels_device>{5}, milliseconds(30)), by_plan};
     auto all = make_bus<crowd>(on, two, three, four, five);
     all.run_for(milliseconds(500));
     on.observer() = {};

@@ -52,8 +52,9 @@ template <class Bus> void loop(Bus& all, sim::virtual_line& wire, std::uint32_t 
 }
 
 constexpr supervision often{.feedback = milliseconds(30), .command_timeout = no_command_timeout};
-constexpr poll_plan of_another_lift{modbus::timing_at(115200),
-                                    controlled(prompt(node<yako::closed_loop::device>{3}), often)};
+constexpr poll_plan of_another_lift{
+    modbus::timing_at(115200),
+    controlled(responds_within(node<yako::closed_loop::device>{3}, milliseconds(30)), often)};
 
 } // namespace
 
@@ -81,7 +82,7 @@ TEST_CASE(
 TEST_CASE("a bus runs no command of a drive that is not on it") {
     wheels_and_lift m;
     wheels_and_lift_program p{m.wire};
-    lift_type other{p.on, prompt(node<yako::closed_loop::device>{3})};
+    lift_type other{p.on, responds_within(node<yako::closed_loop::device>{3}, milliseconds(30))};
     CHECK(p.all.run(other, yako::init{}).error() == errc::bad_argument);
     CHECK(m.wire.requests() == 0);
 }

@@ -134,7 +134,7 @@ TEST_CASE("a drive by its plan refuses all but stops until a bus has adopted it"
 TEST_CASE("a bus refuses a drive that has another address than the one in its place of the plan") {
     wheels_and_lift m;
     line_type on{m.wire, modbus::timing_at(115200)};
-    wheels_type wheels{on, prompt(node<zlac8015d::device>{9}), by_plan};
+    wheels_type wheels{on, responds_within(node<zlac8015d::device>{9}, milliseconds(30)), by_plan};
     auto all = make_bus<of_wheels>(on, wheels);
     const std::uint32_t before = m.wire.requests();
     CHECK(wheels.begin(init{}) == errc::bad_argument);
@@ -146,7 +146,7 @@ TEST_CASE("a bus refuses a drive that has another address than the one in its pl
 namespace {
 constexpr poll_plan of_another_lift{
     modbus::timing_at(115200),
-    controlled(prompt(node<yako::closed_loop::device>{3}),
+    controlled(responds_within(node<yako::closed_loop::device>{3}, milliseconds(30)),
                {.feedback = milliseconds(30), .command_timeout = no_command_timeout})};
 
 constexpr poll_plan of_both_rarely{

@@ -47,13 +47,13 @@ struct rig : tests::wheels_and_lift, tests::wheels_and_lift_program {
     }
 };
 
-constexpr auto servo_node = prompt(node<c630s::device>{1});
+constexpr auto servo_node = responds_within(node<c630s::device>{1}, milliseconds(30));
 constexpr poll_plan servo_plan{modbus::timing_at(57600),
                                controlled(servo_node, {.command_timeout = no_command_timeout}),
                                cyclic<c630s::feedback_pulses>(servo_node, milliseconds(50)),
                                cyclic<c630s::actual_speed>(servo_node, milliseconds(50))};
 
-constexpr auto table_node = prompt(node<yako::closed_loop::device>{7});
+constexpr auto table_node = responds_within(node<yako::closed_loop::device>{7}, milliseconds(30));
 constexpr poll_plan table_plan{modbus::timing_at(115200),
                                cyclic<yako::actual_position>(table_node, milliseconds(100)),
                                own_requests(table_node, milliseconds(200), 2)};
@@ -197,7 +197,7 @@ TEST_CASE("G22: a bus delivers no value in the word order before a write of its 
 }
 
 TEST_CASE("G22: the word order of one node is not that of another") {
-    static constexpr auto other_node = prompt(node<yako::closed_loop::device>{8});
+    static constexpr auto other_node = responds_within(node<yako::closed_loop::device>{8}, milliseconds(30));
     static constexpr poll_plan two{modbus::timing_at(115200),
                                    cyclic<yako::actual_position>(table_node, milliseconds(100)),
                                    cyclic<yako::actual_position>(other_node, milliseconds(100))};

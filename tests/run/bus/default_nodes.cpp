@@ -34,9 +34,10 @@ static_assert(sensor::device::facts.limits.response == milliseconds(100));
 // The watchdog from the factory takes a second.
 constexpr poll_plan two_drives{quick, controlled(left, supervised).commands(milliseconds(50)),
                                controlled(right, supervised).commands(milliseconds(50))};
-constexpr poll_plan prompt_nodes{quick, controlled(prompt(left), supervised).commands(milliseconds(50)),
-                                 controlled(prompt(right), supervised).commands(milliseconds(50)),
-                                 cyclic<sensor::distance>(prompt(eye), milliseconds(100))};
+constexpr poll_plan prompt_nodes{
+    quick, controlled(responds_within(left, milliseconds(30)), supervised).commands(milliseconds(50)),
+    controlled(responds_within(right, milliseconds(30)), supervised).commands(milliseconds(50)),
+    cyclic<sensor::distance>(responds_within(eye, milliseconds(30)), milliseconds(100))};
 // Each node may be late by its limit and quarantine, one after the other: that takes longer than a second.
 constexpr poll_plan two_drives_and_a_sensor{
     quick, controlled(left, supervised).commands(milliseconds(50)).keeps_alive(milliseconds(1300)),

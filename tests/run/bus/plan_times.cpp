@@ -167,6 +167,22 @@ TEST_CASE("a sum of times that is too long for a duration is the longest one, fo
     CHECK(of_one_node.of(plan.polls[0]) < milliseconds(61'000));
 }
 
+TEST_CASE("the error of a plan that does not fit names the node whose frames take the most") {
+    const detail::busiest_node alone{one_read};
+    CHECK(alone.address == 1);
+    CHECK(alone.per_mille == one_read.load_per_mille());
+    auto plan = all_kinds;
+    plan.polls[1].period = milliseconds(3); // node 4
+    CHECK(detail::busiest_node{plan}.address == 4);
+    plan.requests[1].period = milliseconds(2); // node 8
+    CHECK(detail::busiest_node{plan}.address == 8);
+    plan.controlled[2].command_period = milliseconds(1); // node 7
+    const detail::busiest_node driven{plan};
+    CHECK(driven.address == 7);
+    CHECK(driven.per_mille > 1000);
+    CHECK(driven.per_mille < plan.load_per_mille());
+}
+
 TEST_CASE("G19: what the error of a keep-alive proposes mends the plan, and nothing less does") {
     auto plan = all_kinds;
     for (controlled_node& d : plan.controlled) d.by.feedback = milliseconds(20);
@@ -179,11 +195,17 @@ TEST_CASE("G19: what the error of a keep-alive proposes mends the plan, and noth
     REQUIRE(watched.keep_alive != duration{});
     REQUIRE(!is_allowed(plan));
 
-    SUBCASE("a shorter response limit and quarantine") {
-        const std::uint32_t most = detail::most_response_and_quarantine(plan);
+    SUBCASE("nodes that respond sooner") {
+        const std::uint32_t most = detail::longest_allowed_response(plan);
         const auto with = [&](std::uint32_t ms) {
             auto changed = plan;
-            for (poll& p : changed.polls) p.limits.response = p.gaps.quarantine = milliseconds(ms);
+            const auto grant = [ms](auto& entry) { // as `responds_within`
+                entry.limits.response = milliseconds(ms);
+                entry.gaps.quarantine = longer_of(milliseconds(ms + 10), entry.gaps.gap);
+            };
+            for (poll& p : changed.polls) grant(p);
+            for (controlled_node& d : changed.controlled) grant(d);
+            for (requested_node& r : changed.requests) grant(r);
             return changed;
         };
         CHECK(most > 5);
@@ -192,7 +214,7 @@ TEST_CASE("G19: what the error of a keep-alive proposes mends the plan, and noth
     }
     SUBCASE("none is short enough") {
         watched.keep_alive = milliseconds(20);
-        CHECK(detail::most_response_and_quarantine(plan) == 0);
+        CHECK(detail::longest_allowed_response(plan) == 0);
     }
     SUBCASE("a longer watchdog") {
         for (const duration feedback : {milliseconds(20), milliseconds(50'000)}) {

@@ -29,8 +29,8 @@ namespace sensor = tests::cell_sensor;
 namespace {
 
 constexpr std::uint32_t baud = 115200;
-constexpr auto wheels_node = prompt(node<zlac8015d::device>{1}, milliseconds(20));
-constexpr auto sensor_node = prompt(node<sensor::device>{9}, milliseconds(20));
+constexpr auto wheels_node = responds_within(node<zlac8015d::device>{1}, milliseconds(20));
+constexpr auto sensor_node = responds_within(node<sensor::device>{9}, milliseconds(20));
 constexpr poll_plan plan{
     modbus::timing_at(baud),
     controlled(wheels_node, {.feedback = milliseconds(25), .command_timeout = milliseconds(500)})

@@ -524,16 +524,16 @@ TEST_CASE("a node that responds promptly keeps all but its limit and its quarant
     node<fixture::large> at{7};
     at.read_retries = 1;
     at.gaps.gap = milliseconds(3);
-    const auto soon = prompt(at);
+    const auto soon = responds_within(at, milliseconds(30));
     CHECK(soon.address == 7);
     CHECK(soon.read_retries == 1);
     CHECK(soon.limits.response == milliseconds(30));
     CHECK(soon.gaps.quarantine == milliseconds(40));
     CHECK(soon.gaps.gap == at.gaps.gap);
     CHECK(soon.limits.corrupted_request == at.limits.corrupted_request);
-    CHECK(prompt(at, milliseconds(8)).gaps.quarantine == milliseconds(18));
+    CHECK(responds_within(at, milliseconds(8)).gaps.quarantine == milliseconds(18));
     at.gaps.gap = milliseconds(50);
-    CHECK(prompt(at).gaps.quarantine == milliseconds(50));
+    CHECK(responds_within(at, milliseconds(30)).gaps.quarantine == milliseconds(50));
 }
 
 } // namespace client_devices_tests

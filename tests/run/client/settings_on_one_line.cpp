@@ -122,9 +122,9 @@ static_assert(!shared.changes[1].format && shared.changes[1].needs_save &&
 static_assert(shared.changes[2].rate.address == 0x0C02 && shared.changes[2].rate.code == 4);
 static_assert(shared.changes[2].format.address == 0x0C03 && shared.changes[2].format.code == 3);
 static_assert(!shared.changes[2].needs_save && !shared.changes[2].needs_power_cycle);
-constexpr poll_plan plan{
-    modbus::timing_at(shared.baud),
-    controlled(prompt(wheels), {.feedback = milliseconds(50), .command_timeout = milliseconds(500)})};
+constexpr poll_plan plan{modbus::timing_at(shared.baud),
+                         controlled(responds_within(wheels, milliseconds(30)),
+                                    {.feedback = milliseconds(50), .command_timeout = milliseconds(500)})};
 static_assert(plan.timing().character == modbus::timing_at(38'400).character);
 static_assert(posix::settings_of(shared).baud == 38'400 && posix::settings_of(shared).format == n81);
 

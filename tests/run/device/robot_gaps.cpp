@@ -25,9 +25,13 @@ constexpr robots::machine machine{534, -534, 400, 1024};
 
 struct rig : robots::world {
     rig(bool is_prompt, duration feedback, std::uint64_t seed = 1, sim::zlac8015d_options options = {})
-        : world{machine, base,
-                options, {.feedback = feedback, .command_timeout = milliseconds(2000)},
-                seed,    is_prompt ? prompt(node<zlac8015d::device>{1}) : node<zlac8015d::device>{1}} {
+        : world{machine,
+                base,
+                options,
+                {.feedback = feedback, .command_timeout = milliseconds(2000)},
+                seed,
+                is_prompt ? responds_within(node<zlac8015d::device>{1}, milliseconds(30))
+                          : node<zlac8015d::device>{1}} {
         drive.store(0x2022, 10);
         drive.power_cycle();
         REQUIRE(robot.run(init{}));

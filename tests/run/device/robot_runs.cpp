@@ -79,7 +79,7 @@ class run {
         const node<zlac8015d::device> at{1};
         if (one_in(2)) return at;
         ++played_.prompt;
-        return prompt(at);
+        return responds_within(at, milliseconds(30));
     }
     bool one_in(std::uint32_t n) { return random_.below(n) == 0; }
     std::int32_t any(std::int32_t most) {

@@ -76,18 +76,18 @@ template <class Plan> class request_gaps {
     bound wait_of_a_drive_;
 };
 
-/// The longest time in whole milliseconds that `limits.response` and `gaps.quarantine` of all nodes may have, so that
-/// each node of the plan is kept alive; 0 if there is none.
-template <class Plan> constexpr std::uint32_t most_response_and_quarantine(const Plan& of) {
+/// The longest time, in whole milliseconds, that `responds_within` may grant to all nodes while each is still kept
+/// alive; 0 if there is none.
+template <class Plan> constexpr std::uint32_t longest_allowed_response(const Plan& of) {
     const auto would_do = [&of](std::uint32_t ms) {
         Plan other = of;
-        const auto shorten = [ms](auto& entry) {
-            entry.limits.response = shorter_of(entry.limits.response, milliseconds(ms));
-            entry.gaps.quarantine = shorter_of(entry.gaps.quarantine, milliseconds(ms));
+        const auto grant = [ms](auto& entry) {
+            entry.limits.response = milliseconds(ms);
+            entry.gaps.quarantine = quarantine_of(milliseconds(ms), entry.gaps);
         };
-        for (poll& p : other.polls) shorten(p);
-        for (controlled_node& d : other.controlled) shorten(d);
-        for (requested_node& r : other.requests) shorten(r);
+        for (poll& p : other.polls) grant(p);
+        for (controlled_node& d : other.controlled) grant(d);
+        for (requested_node& r : other.requests) grant(r);
         return request_gaps<Plan>{other}.are_allowed();
     };
     std::uint32_t most = 0;
@@ -96,6 +96,27 @@ template <class Plan> constexpr std::uint32_t most_response_and_quarantine(const
     }
     return most;
 }
+
+/// The node whose frames take the most of the line's time, and how much, in thousandths.
+struct busiest_node {
+    std::uint8_t address = 0;
+    std::uint32_t per_mille = 0;
+
+    template <class Plan> constexpr explicit busiest_node(const Plan& of) {
+        const plan_times times{of};
+        std::uint64_t billionths[256]{};
+        for (std::size_t i = 0; i < Plan::size; ++i)
+            billionths[of.polls[i].node_address] += times.load_of(of.polls[i]);
+        for (std::size_t i = 0; i < Plan::drives; ++i)
+            billionths[of.controlled[i].address] += times.load_of(of.controlled[i]);
+        for (std::size_t i = 0; i < Plan::requested; ++i)
+            billionths[of.requests[i].address] += times.load_of(of.requests[i]);
+        for (unsigned i = 0; i < 256; ++i) {
+            if (billionths[i] > billionths[address]) address = static_cast<std::uint8_t>(i);
+        }
+        per_mille = static_cast<std::uint32_t>((billionths[address] + 999'999u) / 1'000'000u);
+    }
+};
 
 template <class Plan> consteval void check_addresses(const Plan& of) {
     bool has_facade[256]{};
@@ -115,7 +136,10 @@ template <class Plan> consteval void check_addresses(const Plan& of) {
 template <class Plan> consteval void check_plan(const Plan& of) {
     check_addresses(of);
     const std::uint32_t load = of.load_per_mille();
-    if (load > 1000) the_entries_of_this_plan_do_not_fit_on_the_line(load);
+    if (load > 1000) {
+        const busiest_node most{of};
+        the_entries_of_this_plan_do_not_fit_on_the_line(load, most.address, most.per_mille);
+    }
     const request_gaps<Plan> gaps{of};
     const auto check = [&](std::uint8_t address, const auto& entry, duration own) {
         const duration gap = gaps.of(entry);
@@ -123,8 +147,8 @@ template <class Plan> consteval void check_plan(const Plan& of) {
             the_times_of_this_plan_are_longer_than_its_clock_can_tell(address, longer_of(own, gap).us);
         const longest_gap v = gaps.judge(entry);
         if (!v.is_allowed())
-            a_drive_of_this_plan_could_miss_its_keep_alive(
-                address, v.keep_alive.us, v.longest.us, most_response_and_quarantine(of), gaps.needed(entry));
+            a_drive_of_this_plan_could_miss_its_keep_alive(address, v.keep_alive.us, v.longest.us,
+                                                           longest_allowed_response(of), gaps.needed(entry));
     };
     for (std::size_t i = 0; i < Plan::size; ++i)
         check(of.polls[i].node_address, of.polls[i], of.polls[i].period);

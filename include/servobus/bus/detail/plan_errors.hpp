@@ -9,37 +9,45 @@
 
 namespace servobus::detail {
 
-constexpr void the_entries_of_this_plan_do_not_fit_on_the_line(unsigned long load_per_mille) {
+/// The node's frames take the most of the time.
+constexpr void the_entries_of_this_plan_do_not_fit_on_the_line(unsigned long load_per_mille,
+                                                               unsigned long address,
+                                                               unsigned long node_per_mille) {
     if (load_per_mille == 0) return;
-    __builtin_printf("frames take %lu thousandths of the time: longer periods, or a higher baud rate",
-                     load_per_mille);
+    __builtin_printf(
+        "frames take %lu thousandths of the time, and those of node %lu alone %lu: a longer period of "
+        "cyclic<..>(..), .feedback or commands(..), or timing_at(..) of a higher baud rate",
+        load_per_mille, address, node_per_mille);
 }
 constexpr void a_drive_has_one_facade(unsigned long address) {
     if (address == 0) return;
-    __builtin_printf("two controlled(..) have address %lu", address);
+    __builtin_printf("node %lu has two controlled(..): one, or a node of its own for each drive", address);
 }
 constexpr void the_requests_to_a_node_are_one_entry(unsigned long address) {
     if (address == 0) return;
-    __builtin_printf("two own_requests(..) have address %lu", address);
+    __builtin_printf("node %lu has two own_requests(..): one, of the shorter period and the more words",
+                     address);
 }
 constexpr void the_times_of_this_plan_are_longer_than_its_clock_can_tell(unsigned long address,
                                                                          unsigned long longest_us) {
     if (address == 0) return;
-    __builtin_printf("node %lu may get no request for %lu us: half an hour is the most", address, longest_us);
+    __builtin_printf(
+        "node %lu may get no request for %lu us, and 1800000000 are the most: a shorter period of it, or "
+        "responds_within(node, ..) for the nodes that it waits for",
+        address, longest_us);
 }
-/// Either of the last two figures mends the plan: the most that response limit and quarantine of each node may have, or
-/// the node's watchdog.
+/// Either of the last two figures mends the plan: the longest time that `responds_within` may grant each node, or the
+/// node's watchdog.
 constexpr void a_drive_of_this_plan_could_miss_its_keep_alive(unsigned long address,
                                                               unsigned long keep_alive_us,
                                                               unsigned long longest_us,
-                                                              unsigned long response_and_quarantine_ms,
+                                                              unsigned long response_ms,
                                                               unsigned long watchdog_ms) {
     if (address == 0) return;
-    __builtin_printf(
-        "node %lu stops after %lu us without a request, and there may be none for %lu us: "
-        "limits.response and gaps.quarantine of %lu ms at most in each node (0: none is short enough), "
-        "or a watchdog of %lu ms, in the drive and in keeps_alive(..)",
-        address, keep_alive_us, longest_us, response_and_quarantine_ms, watchdog_ms);
+    __builtin_printf("node %lu stops after %lu us without a request, and there may be none for %lu us: "
+                     "responds_within(node, %lu ms at most) for each node (0: no time is short enough), "
+                     "or keeps_alive(%lu ms) and that watchdog in the drive",
+                     address, keep_alive_us, longest_us, response_ms, watchdog_ms);
 }
 
 } // namespace servobus::detail
