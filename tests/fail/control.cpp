@@ -240,6 +240,24 @@ inline constexpr poll_plan plan_15{modbus::timing_at(115200), controlled(node<zl
     own_requests(node<zlac::device>{8}, milliseconds(1'700'000), 2)};
 inline constexpr poll_plan plan_17{modbus::timing_at(115200),
     cyclic<basin::valve, basin::pump>(node<basin::device>{9}, milliseconds(50))};
+constexpr node<other::device> left_fan{1}, right_fan{2};
+inline constexpr poll_plan plan_18{modbus::timing_at(115200), cyclic<other::speed>(left_fan, milliseconds(200)),
+    cyclic<other::speed>(right_fan, milliseconds(200))};
+inline constexpr poll_plan plan_19{modbus::timing_at(115200),
+    cyclic<zlac::left_actual_speed, zlac::right_actual_speed>(node<zlac::device>{1}, milliseconds(50))};
+bool has_values(const bus<plan_18, scheduled_line<some_port>>& all) {
+    const auto seen = all.latest<other::speed>(left_fan, milliseconds(500));
+    return bool{seen};
+}
+bool has_other_values(const bus<plan_18, scheduled_line<some_port>>& all) {
+    const auto seen = all.latest<other::speed>(right_fan, milliseconds(500));
+    return bool{seen};
+}
+bool has_speeds(const bus<plan_19, scheduled_line<some_port>>& all) {
+    constexpr node<zlac::device> wheels{1};
+    const auto seen = all.latest<zlac::left_actual_speed, zlac::right_actual_speed>(wheels, milliseconds(100));
+    return bool{seen};
+}
 // clang-format on
 
 struct model : zlac::model {

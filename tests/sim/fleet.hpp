@@ -11,6 +11,8 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <type_traits>
+#include <utility>
 #include <vector>
 
 #include <servobus/device/c630s/catalogue.hpp>
@@ -58,7 +60,7 @@ template <const auto& Plan, class... Drives> class fleet_of : public fleet {
     }
     bool is_absent(std::uint8_t node_address) const override { return bus_->is_absent(node_address); }
     std::uint32_t count(std::size_t i) const override { return bus_->count(i); }
-    std::vector<std::uint16_t> latest(std::size_t i) const override { return latest_of<0>(i); }
+    std::vector<std::uint16_t> latest(std::size_t i) const override { return latest_of(i, Plan); }
     std::uint32_t longest_us(const servobus::poll& p) const override { return Plan.longest(p).us; }
     std::uint32_t longest_gap_us(const servobus::controlled_node& d) const override {
         return Plan.longest_gap(d).us;
@@ -130,16 +132,45 @@ template <const auto& Plan, class... Drives> class fleet_of : public fleet {
     template <class Drive> static void give_timeout(scene& on, Drive& drive) {
         if (on.one_in(2)) drive.set_command_timeout(servobus::milliseconds(400));
     }
-    template <std::size_t I> std::vector<std::uint16_t> latest_of(std::size_t i) const {
-        if constexpr (I < Plan.size) {
-            if (I != i) return latest_of<I + 1>(i);
-            auto v = bus_->template latest<I>(servobus::milliseconds(1000));
-            if (!v) return {};
-            const auto words = v->words();
-            return {words.begin(), words.end()};
-        } else {
-            return {};
+    using plan_type = std::remove_cvref_t<decltype(Plan)>;
+    // Asks for the rows of each entry of the plan.
+    template <class... Entries>
+    std::vector<std::uint16_t> latest_of(std::size_t i, const servobus::poll_plan<Entries...>&) const {
+        std::vector<std::uint16_t> words;
+        [&]<std::size_t... Places>(std::index_sequence<Places...>) {
+            (take<Places>(i, static_cast<const Entries*>(nullptr), words), ...);
         }
+        (std::index_sequence_for<Entries...>{});
+        return words;
+    }
+    template <std::size_t>
+    void take(std::size_t, const void*, std::vector<std::uint16_t>&) const {} // no read
+    template <std::size_t Place, const auto&... Rs>
+    void take(std::size_t i, const servobus::cyclic_read<Rs...>*, std::vector<std::uint16_t>& words) const {
+        constexpr std::size_t read = [] {
+            std::size_t n = 0;
+            while (plan_type::offsets.place[n] != Place) ++n;
+            return n;
+        }();
+        if (i != read) return;
+        using device = typename servobus::detail::same_device<Rs...>::device;
+        constexpr servobus::node<device> node{Plan.polls[read].node_address};
+        auto v = bus_->template latest<Rs...>(node, servobus::milliseconds(1000));
+        if (!v) return;
+        if constexpr (sizeof...(Rs) != 1) {
+            words.assign(v->words().begin(), v->words().end());
+        } else {
+            const std::uint32_t bits = bits_of(*v);
+            if ((servobus::row_type<Rs>::words + ...) == 2)
+                words.push_back(static_cast<std::uint16_t>(bits >> 16));
+            words.push_back(static_cast<std::uint16_t>(bits));
+        }
+    }
+    template <class Value> static std::uint32_t bits_of(const Value& v) {
+        if constexpr (requires { v.count(); })
+            return servobus::to_bits(v.count());
+        else
+            return servobus::to_bits(v);
     }
 
     std::optional<servobus::bus<Plan, plain_line, Drives...>> bus_;

@@ -28,9 +28,9 @@ extern "C" bool job() {
     const std::uint32_t speeds_before = all.count(0), states_before = all.count(1);
     for (int i = 0; i < 1000 && (all.count(0) == speeds_before || all.count(1) == states_before); ++i)
         (void)all.step();
-    const auto speeds = all.latest<0>(milliseconds(100));
-    const auto state = all.latest<1>(milliseconds(100));
+    const auto speeds =
+        all.latest<zlac8015d::left_actual_speed, zlac8015d::right_actual_speed>(wheels, milliseconds(100));
+    const auto state = all.latest<zlac8015d::status_word>(wheels, milliseconds(100));
     return all.count(0) != speeds_before && all.count(1) != states_before && speeds && state &&
-           state->get<zlac8015d::status_word>().to_word() == 0 &&
-           speeds->get<zlac8015d::left_actual_speed>() == 0 * units::r_per_min;
+           state->to_word() == 0 && speeds->get<zlac8015d::left_actual_speed>() == 0 * units::r_per_min;
 }

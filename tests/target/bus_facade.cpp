@@ -26,7 +26,8 @@ auto all = make_bus<plan>(line_1, robot);
 
 bool is_fast() {
     const auto seen = robot.feedback(milliseconds(100));
-    return seen && seen->left_speed == 30 * units::r_per_min && all.latest<0>(milliseconds(200));
+    return seen && seen->left_speed == 30 * units::r_per_min &&
+           all.latest<zlac8015d::bus_voltage>(at, milliseconds(200));
 }
 
 } // namespace

@@ -9,7 +9,7 @@
 //     auto all = make_bus<plan>(wire, wheels, lift); // wire: a scheduled_line
 //     for (;;) {
 //         all.step(); // the drives are stepped here and nowhere else
-//         if (const auto seen = all.latest<0>(milliseconds(500))) show(seen->get<zlac8015d::bus_voltage>());
+//         if (const auto seen = all.latest<zlac8015d::bus_voltage>(wheels_node, milliseconds(500))) show(*seen);
 //     }
 #pragma once
 
@@ -19,6 +19,7 @@
 #include <utility>
 
 #include <servobus/bus/detail/cyclic_reads.hpp>
+#include <servobus/bus/detail/planned_rows.hpp>
 #include <servobus/bus/detail/step_beside.hpp>
 #include <servobus/bus/plan.hpp>
 #include <servobus/bus/scheduled_line.hpp>
@@ -142,15 +143,40 @@ class bus : detail::cyclic_reads<Plan, Line, Drives...> {
     };
     template <class Drive> blocking_drive<Drive> blocking(Drive& drive) { return {*this, drive}; }
 
-    /// The last values of cyclic read number `I` of the plan. Errors:
-    /// - the reason why the last attempt failed, if the values are older than `oldest`, or there are none
+    /// The last value of row `R` that a cyclic read of the plan brought from the node, a constant of the program. If
+    /// several reads of the node have the row, the one with the shortest period counts. Errors:
+    /// - the reason why the last attempt failed, if the value is older than `oldest`, or there is none
     /// - `timeout`: no read has ended yet, or none since the word order is known
-    /// - `needs_word_order`: 32-bit values of a node whose word order is not known
+    /// - `needs_word_order`: a 32-bit value of a node whose word order is not known
     /// - `needs_init`: nothing is known of the controlled drive
-    template <std::size_t I>
-    constexpr result<typename plan_type::template values<I>> latest(duration oldest) const {
-        return this->template latest_of<typename plan_type::template values<I>>(
-            I, plan_type::offsets.words_before[I], oldest);
+    ///
+    /// A row that the plan does not read of this node does not compile.
+    template <const auto& R>
+    constexpr result<reading<R>> latest(detail::row_that_the_plan_reads_of_this_node<Plan, R> of,
+                                        duration oldest) const {
+        return this->template latest_row<R>(of.place, oldest);
+    }
+    /// Likewise, from the only node of the plan that has the row. With two such nodes it does not compile.
+    template <const auto& R> constexpr result<reading<R>> latest(duration oldest) const {
+        return this->template latest_row<R>(detail::place_at_the_only_node<Plan, R>(), oldest);
+    }
+    /// The last values of several rows, which are of one moment: only rows of one cyclic read of the plan compile.
+    /// `get` returns the value of each. Errors: likewise.
+    template <const auto& R, const auto& Second, const auto&... Others>
+    constexpr result<readings<R, Second, Others...>> latest(
+        std::type_identity_t<detail::rows_that_one_cyclic_read_has_of_this_node<Plan, R, Second, Others...>>
+            of,
+        duration oldest) const {
+        return this->template latest_rows<R, Second, Others...>(of.place, oldest);
+    }
+    template <const auto& R, const auto& Second, const auto&... Others>
+    constexpr result<readings<R, Second, Others...>> latest(duration oldest) const {
+        return this->template latest_rows<R, Second, Others...>(
+            detail::place_at_the_only_node<Plan, R, Second, Others...>(), oldest);
+    }
+    /// Never compiles: a read has no number, and the order of a plan's entries means nothing.
+    template <std::size_t I> constexpr auto latest(duration) const {
+        static_assert(I != I, "a cyclic value is asked for by its row and node: latest<row>(node, oldest)");
     }
     /// Sets the word order of all cyclic reads of a node without a facade, as `client::learn_word_order` found it. It
     /// becomes invalid when a request of any client to the node gets no response, or writes the register of the word

@@ -50,8 +50,7 @@ template <class... Entries> class poll_plan {
     static constexpr bool has_pairs = entries::reads_with_pairs != 0; ///< a read has 32-bit values
     static constexpr bool has_other_tables = entries::reads_of_other_tables != 0; ///< than holding registers
     static constexpr const auto& offsets = entries::of_reads; ///< where the words of each read begin
-    /// The values of read number `I`, and the model of drive number `I`, in the order of the plan.
-    template <std::size_t I> using values = typename entries::template read<I>::values;
+    /// The model of drive number `I`, in the order of the plan.
     template <std::size_t I> using model = typename entries::template drive<I>;
 
     /// A plan that cannot be kept does not compile.

@@ -73,8 +73,6 @@ template <const auto&... Rs> consteval cyclic_request request_of() {
 
 /// A cyclic read of `Rs`, which come in one frame, and so belong to one moment.
 template <const auto&... Rs> struct cyclic_read : poll {
-    using values = readings<Rs...>;
-
     /// The node stops when it gets no request for `time`: the plan must reach it within that.
     constexpr cyclic_read keeps_alive(duration time) const {
         cyclic_read r = *this;

@@ -189,9 +189,9 @@ TEST_CASE(
     CHECK(images[2] >= 85);
     CHECK(images[2] <= 101);
     CHECK(r.wheels.feedback(milliseconds(40))->left_speed.rounded(r_per_min) == 30);
-    CHECK(r.all.latest<0>(milliseconds(100)));
-    CHECK(r.all.latest<1>(milliseconds(120)));
-    CHECK(r.all.latest<2>(milliseconds(200)));
+    CHECK(r.all.latest<zlac8015d::bus_voltage>(wheels_node, milliseconds(100)));
+    CHECK(r.all.latest<yako::closed_loop::output_polarity>(lift_node, milliseconds(120)));
+    CHECK(r.all.latest<yako::actual_position>(lift_node, milliseconds(200)));
     CHECK(r.wheels_model.enabled());
 }
 
@@ -199,7 +199,7 @@ TEST_CASE("S1: a bus sends nothing to a drive of which nothing is known") {
     rig r;
     r.run(3000);
     CHECK(r.requests.empty());
-    CHECK(r.all.latest<0>(milliseconds(1000)).error() == errc::needs_init);
+    CHECK(r.all.latest<zlac8015d::bus_voltage>(wheels_node, milliseconds(1000)).error() == errc::needs_init);
     CHECK(r.wheels.feedback(milliseconds(1000)).error() == errc::needs_init);
     REQUIRE(r.command(r.lift, yako::init{}));
     const std::size_t after = r.requests.size();
@@ -224,19 +224,20 @@ TEST_CASE("G36: a value becomes stale, and none from before a restart is deliver
     rig r;
     REQUIRE(r.command(r.wheels, zlac8015d::init{}));
     REQUIRE(r.command(r.lift, yako::init{}));
-    CHECK(r.all.latest<2>(milliseconds(1000)).error() == errc::timeout); // none was read yet
+    CHECK(r.all.latest<yako::actual_position>(lift_node, milliseconds(1000)).error() ==
+          errc::timeout); // none was read yet
     r.run(300);
-    CHECK(r.all.latest<0>(milliseconds(100)));
-    CHECK(r.all.latest<2>(milliseconds(200)));
+    CHECK(r.all.latest<zlac8015d::bus_voltage>(wheels_node, milliseconds(100)));
+    CHECK(r.all.latest<yako::actual_position>(lift_node, milliseconds(200)));
     CHECK(r.lift.feedback(milliseconds(100)));
     r.wire.set_connected(1, false);
     r.run(2000);
-    CHECK(r.all.latest<2>(milliseconds(200)).error() != errc::ok);
+    CHECK(r.all.latest<yako::actual_position>(lift_node, milliseconds(200)).error() != errc::ok);
     CHECK(r.lift.feedback(milliseconds(200)).error() == errc::timeout);
     CHECK(r.lift.feedback(milliseconds(10'000))); // an old one
     r.wire.set_connected(1, true);
     r.run(4000);
-    CHECK(r.all.latest<2>(milliseconds(200)));
+    CHECK(r.all.latest<yako::actual_position>(lift_node, milliseconds(200)));
     CHECK(r.lift.feedback(milliseconds(100)));
     r.wire.set_connected(1, false);
     r.lift_model.power_cycle();
@@ -244,14 +245,14 @@ TEST_CASE("G36: a value becomes stale, and none from before a restart is deliver
     r.wire.set_connected(1, true);
     r.run(4000);
     CHECK(r.lift.state() == yako::drive_state::needs_init);
-    CHECK(r.all.latest<2>(milliseconds(100'000)).error() == errc::needs_init);
+    CHECK(r.all.latest<yako::actual_position>(lift_node, milliseconds(100'000)).error() == errc::needs_init);
     CHECK(r.lift.feedback(milliseconds(100'000)).error() == errc::needs_init);
     REQUIRE(r.lift.begin(yako::init{}) == errc::ok);
     const std::uint64_t begun = r.wire.time_us();
     for (tests::loop_bound left{"the end of a command"}; !r.lift.is_idle(); left.use()) {
         r.turn();
         const auto oldest = milliseconds(static_cast<std::uint32_t>((r.wire.time_us() - begun) / 1000));
-        CHECK_FALSE(r.all.latest<2>(milliseconds(100'000)));
+        CHECK_FALSE(r.all.latest<yako::actual_position>(lift_node, milliseconds(100'000)));
         CHECK(bool{r.lift.feedback(milliseconds(100'000))} ==
               bool{r.lift.feedback(oldest)}); // none of before
     }
@@ -554,7 +555,7 @@ TEST_CASE("G28: a drive that refuses a read is present, and is read as often as 
         r.wheels_store.refuses_from = 0;
         r.all.run_for(milliseconds(3000));
         CHECK_FALSE(r.all.is_absent(1));
-        const auto refused = r.all.latest<0>(milliseconds(1000));
+        const auto refused = r.all.latest<zlac8015d::left_actual_speed>(wheels_node, milliseconds(1000));
         CHECK(refused.error() == errc::exception);
         CHECK(refused.exception() == 2);
         CHECK(r.all.count(0) == 0);
@@ -604,7 +605,7 @@ TEST_CASE("G28: a drive stays absent as long as it does not respond") {
     r.wire.set_connected(0, true);
     r.all.run_for(milliseconds(200));
     CHECK_FALSE(r.all.is_absent(1));
-    CHECK(r.all.latest<0>(milliseconds(100)));
+    CHECK(r.all.latest<zlac8015d::left_actual_speed>(wheels_node, milliseconds(100)));
 }
 
 TEST_CASE("a blocking command that is refused before it sends anything does not step the bus") {

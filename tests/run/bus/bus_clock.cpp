@@ -209,8 +209,8 @@ TEST_CASE(
         CHECK(wheels.is_idle());
         CHECK(wheels.feedback(milliseconds(100)));
         CHECK(lift.feedback(milliseconds(100)));
-        CHECK(all.latest<0>(milliseconds(150)));
-        CHECK(all.latest<1>(milliseconds(150)));
+        CHECK(all.latest<zlac8015d::bus_voltage>(wheels_node, milliseconds(150)));
+        CHECK(all.latest<yako::closed_loop::output_polarity>(lift_node, milliseconds(150)));
         const std::uint32_t read = all.count(0);
         run(500);
         CHECK(all.count(0) - read >= 9); // every 50 ms

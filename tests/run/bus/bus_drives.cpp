@@ -286,10 +286,10 @@ TEST_CASE("a bus reads when a read is due, if it is stepped when it wants to be,
         last = m.wire.time_us();
     }
     loop(all, m.wire, 20);
-    auto voltage = all.latest<0>(milliseconds(100));
+    auto voltage = all.latest<zlac8015d::bus_voltage>(wheels_node, milliseconds(100));
     REQUIRE(voltage);
-    CHECK(voltage->words()[0] == m.wheels_model.peek(zlac8015d::bus_voltage.address));
-    CHECK(voltage->words()[0] != 0);
+    CHECK(voltage->count() == m.wheels_model.peek(zlac8015d::bus_voltage.address));
+    CHECK(voltage->count() != 0);
 }
 
 namespace {

@@ -22,18 +22,18 @@ TEST_CASE("G21, G36: after a restart and an `init` a bus delivers no cyclic valu
         REQUIRE(p.all.run(p.lift, yako::enable{}));
         REQUIRE(p.all.run(p.lift, yako::declare_position{place * pulse}));
         p.run(300 + 3 * phase);
-        const auto before = p.all.latest<2>(milliseconds(500));
+        const auto before = p.all.latest<yako::actual_position>(tests::lift_node, milliseconds(500));
         REQUIRE(before);
-        REQUIRE(before->get<yako::actual_position>().count() == place);
+        REQUIRE(before->count() == place);
         machine.lift_model.power_cycle();
         while (p.lift.state() != yako::drive_state::needs_init || !p.lift.is_idle()) p.turn();
         REQUIRE(p.lift.begin(yako::init{}) == errc::ok); // in the same loop iteration
         const std::uint32_t exchanges = p.all.count(2);
         const std::uint64_t end = machine.wire.time_us() + 600'000;
         while (machine.wire.time_us() < end) {
-            const auto seen = p.all.latest<2>(milliseconds(2000));
+            const auto seen = p.all.latest<yako::actual_position>(tests::lift_node, milliseconds(2000));
             if (p.all.count(2) == exchanges) REQUIRE_FALSE(seen); // none was read since
-            if (seen) REQUIRE(seen->get<yako::actual_position>().count() == 0);
+            if (seen) REQUIRE(seen->count() == 0);
             p.turn();
         }
         REQUIRE(p.lift.last());

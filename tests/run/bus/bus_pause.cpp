@@ -38,14 +38,16 @@ TEST_CASE("a read that is due while its drive is unknown is sent as soon as the 
         for (const std::uint64_t end = machine.wire.time_us() + 7'500'000; machine.wire.time_us() < end;)
             step();
         REQUIRE(all.count(0) == round - 1);
-        REQUIRE(all.latest<0>(milliseconds(60'000)).error() == errc::needs_init);
+        REQUIRE(all.latest<zlac8015d::bus_voltage>(wheels_node, milliseconds(60'000)).error() ==
+                errc::needs_init);
         REQUIRE(wheels.begin(zlac8015d::init{}) == errc::ok);
         for (tests::loop_bound left{"the end of a command"}; !wheels.is_idle(); left.use()) step();
         REQUIRE(wheels.last());
-        CHECK(all.latest<0>(milliseconds(60'000)).error() == errc::timeout); // no value of before
+        CHECK(all.latest<zlac8015d::bus_voltage>(wheels_node, milliseconds(60'000)).error() ==
+              errc::timeout); // no value of before
         for (const std::uint64_t end = machine.wire.time_us() + 30'000; machine.wire.time_us() < end;) step();
         CHECK(all.count(0) == round);
-        CHECK(all.latest<0>(milliseconds(1000)));
+        CHECK(all.latest<zlac8015d::bus_voltage>(wheels_node, milliseconds(1000)));
         machine.wheels_model.power_cycle();
         machine.wire.set_connected(0, false); // until the facade has noticed
         REQUIRE(wheels.begin(zlac8015d::quick_stop{}) == errc::ok);

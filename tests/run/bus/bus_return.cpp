@@ -56,7 +56,7 @@ struct rig : tests::wheels_and_lift {
         REQUIRE(command(p.lift, yako::enable{}));
         REQUIRE(command(p.lift, yako::declare_position{300 * pulse}));
         loop(500);
-        REQUIRE(p.all.latest<2>(milliseconds(200))->get<yako::actual_position>() == 300 * pulse);
+        REQUIRE(*p.all.latest<yako::actual_position>(tests::lift_node, milliseconds(200)) == 300 * pulse);
     }
     void drive_wheels() {
         REQUIRE(command(p.wheels, zlac8015d::init{}));
@@ -268,7 +268,8 @@ TEST_CASE(
         r.wire.set_connected(1, false);
         r.loop(2000);
         CHECK(r.p.lift.current_word_order() == word_order::unknown);
-        CHECK(r.p.all.latest<2>(milliseconds(60'000)).error() == errc::needs_word_order);
+        CHECK(r.p.all.latest<yako::actual_position>(tests::lift_node, milliseconds(60'000)).error() ==
+              errc::needs_word_order);
         if (is_restarted) r.lift_model.power_cycle();
         r.wire.set_connected(1, true);
         r.loop(3000);
@@ -283,7 +284,7 @@ TEST_CASE("G21, G22: a lost port invalidates all cached settings and the word or
     rig r;
     r.drive_wheels();
     r.loop(200);
-    REQUIRE(r.p.all.latest<2>(milliseconds(200)));
+    REQUIRE(r.p.all.latest<yako::actual_position>(tests::lift_node, milliseconds(200)));
     r.wire.unplug();
     r.loop(30);
     r.wire.plug();
@@ -293,8 +294,10 @@ TEST_CASE("G21, G22: a lost port invalidates all cached settings and the word or
     r.loop(6000);
     CHECK(r.wheels_model.stands_still());
     CHECK(r.p.all.count(2) == reads);
-    CHECK(r.p.all.latest<2>(milliseconds(500)).error() == errc::needs_init);
-    CHECK(r.p.all.latest<0>(milliseconds(500)).error() == errc::needs_init);
+    CHECK(r.p.all.latest<yako::actual_position>(tests::lift_node, milliseconds(500)).error() ==
+          errc::needs_init);
+    CHECK(r.p.all.latest<zlac8015d::bus_voltage>(tests::wheels_node, milliseconds(500)).error() ==
+          errc::needs_init);
 }
 
 TEST_CASE("G36: values of before a lost port are not given once the drive is known again") {
@@ -309,8 +312,8 @@ TEST_CASE("G36: values of before a lost port are not given once the drive is kno
     unsigned given = 0;
     for (int i = 0; i < 3'000; ++i) {
         r.turn();
-        const auto now = r.p.all.latest<2>(milliseconds(60'000));
-        if (now) CHECK(now->get<yako::actual_position>() == 0 * pulse);
+        const auto now = r.p.all.latest<yako::actual_position>(tests::lift_node, milliseconds(60'000));
+        if (now) CHECK(*now == 0 * pulse);
         given += now ? 1u : 0u;
     }
     CHECK(given > 100);
@@ -329,8 +332,8 @@ TEST_CASE("G22: values that were read in a word order which the drive no longer 
     for (int i = 0; i < 3'000; ++i) {
         r.turn();
         if (r.p.lift.current_word_order() != word_order::low_first) continue;
-        const auto now = r.p.all.latest<2>(milliseconds(60'000));
-        if (now) CHECK(now->get<yako::actual_position>() == 300 * pulse);
+        const auto now = r.p.all.latest<yako::actual_position>(tests::lift_node, milliseconds(60'000));
+        if (now) CHECK(*now == 300 * pulse);
         given += now ? 1u : 0u;
     }
     CHECK(given > 100);

@@ -130,9 +130,10 @@ TEST_CASE("G21: after a pause in which the wheels' watchdog has struck their val
     rig r;
     r.drive_wheels();
     r.run(1000);
-    REQUIRE(r.all.latest<0>(milliseconds(500)));
+    REQUIRE(r.all.latest<zlac8015d::bus_voltage>(tests::wheels_node, milliseconds(500)));
     r.stand_still();
-    CHECK(r.all.latest<0>(milliseconds(10'000)).error() == errc::needs_init);
+    CHECK(r.all.latest<zlac8015d::bus_voltage>(tests::wheels_node, milliseconds(10'000)).error() ==
+          errc::needs_init);
 }
 
 TEST_CASE(
@@ -318,7 +319,8 @@ TEST_CASE("G21: a lost port invalidates all cached settings, whichever user of t
         r.run(400);
         CHECK(r.wheels.state() == zlac8015d::drive_state::needs_init);
         CHECK(r.lift.state() == yako::drive_state::needs_init);
-        CHECK(r.all.latest<2>(milliseconds(200)).error() == errc::needs_init);
+        CHECK(r.all.latest<yako::actual_position>(tests::lift_node, milliseconds(200)).error() ==
+              errc::needs_init);
         CHECK(r.command(r.lift, yako::move_by{100 * pulse}).error() == errc::needs_init);
     }
 }
@@ -358,8 +360,8 @@ TEST_CASE("G20: a stale value does not become fresh again when the clock wraps")
     for (unsigned s = 0; s < 2 * 4295; s += 2) {
         r.wire.pass(milliseconds(2000));
         r.turn();
-        REQUIRE_FALSE(r.all.latest<0>(milliseconds(1000)));
-        REQUIRE_FALSE(r.all.latest<1>(milliseconds(1000)));
+        REQUIRE_FALSE(r.all.latest<zlac8015d::bus_voltage>(tests::wheels_node, milliseconds(1000)));
+        REQUIRE_FALSE(r.all.latest<yako::closed_loop::output_polarity>(tests::lift_node, milliseconds(1000)));
         REQUIRE_FALSE(r.wheels.feedback(milliseconds(1000)));
         REQUIRE_FALSE(r.lift.feedback(milliseconds(1000)));
     }
@@ -419,7 +421,7 @@ struct told_bus {
     told_bus() {
         all.set_word_order(2, word_order::high_first);
         all.run_for(milliseconds(300));
-        REQUIRE(all.latest<1>(milliseconds(1000)));
+        REQUIRE(all.latest<yako::actual_position>(tests::lift_node, milliseconds(1000)));
     }
 };
 } // namespace
@@ -436,8 +438,9 @@ TEST_CASE("G21, G22: a read without a response invalidates the word order that w
     r.machine.wire.faults() = {};
     all.run_for(milliseconds(200));
     CHECK_FALSE(all.is_absent(2));
-    CHECK(all.latest<0>(milliseconds(100)));
-    CHECK(all.latest<1>(milliseconds(10'000)).error() == errc::needs_word_order);
+    CHECK(all.latest<yako::status_word>(tests::lift_node, milliseconds(100)));
+    CHECK(all.latest<yako::actual_position>(tests::lift_node, milliseconds(10'000)).error() ==
+          errc::needs_word_order);
 }
 
 TEST_CASE("G21, G22: a word order that is set again after a lost port stays valid") {
@@ -447,11 +450,12 @@ TEST_CASE("G21, G22: a word order that is set again after a lost port stays vali
     all.run_for(milliseconds(30));
     r.machine.wire.plug();
     all.run_for(milliseconds(2000));
-    CHECK(all.latest<0>(milliseconds(100)));
-    CHECK(all.latest<1>(milliseconds(10'000)).error() == errc::needs_word_order);
+    CHECK(all.latest<yako::status_word>(tests::lift_node, milliseconds(100)));
+    CHECK(all.latest<yako::actual_position>(tests::lift_node, milliseconds(10'000)).error() ==
+          errc::needs_word_order);
     all.set_word_order(2, word_order::high_first);
     all.run_for(milliseconds(200));
-    CHECK(all.latest<1>(milliseconds(200)));
+    CHECK(all.latest<yako::actual_position>(tests::lift_node, milliseconds(200)));
 }
 
 TEST_CASE("G28: a drive that has executed a command is read as often as any other, also without a watchdog "

@@ -68,16 +68,16 @@ TEST_CASE("a bus reads all tables, and has their values") {
     r.model.discrete_inputs = {{9, true}};
     r.model.holding_registers = {{4, 0xFFFF}, {5, 0xFFFE}};
     r.all.run_for(milliseconds(1000));
-    const auto analog = r.all.latest<0>(milliseconds(150));
+    const auto analog = r.all.latest<tank::temperature, tank::level>(tank_node, milliseconds(150));
     REQUIRE(analog);
     CHECK(analog->get<tank::level>() == 17);
     CHECK(analog->get<tank::temperature>().count() == -1);
-    const auto bits = r.all.latest<1>(milliseconds(250));
+    const auto bits = r.all.latest<tank::heater, tank::valve, tank::pump>(tank_node, milliseconds(250));
     REQUIRE(bits);
     CHECK((bits->get<tank::valve>() && !bits->get<tank::pump>() && bits->get<tank::heater>()));
-    CHECK((r.all.latest<2>(milliseconds(250)) &&
-           r.all.latest<2>(milliseconds(250))->get<tank::is_door_open>()));
-    CHECK(r.all.latest<3>(milliseconds(450))->get<tank::target>() == -2);
+    const auto is_open = r.all.latest<tank::is_door_open>(tank_node, milliseconds(250));
+    CHECK((is_open && *is_open));
+    CHECK(*r.all.latest<tank::target>(tank_node, milliseconds(450)) == -2);
     unsigned counts[5]{};
     for (const byte_list& pdu : r.model.requests) ++counts[pdu[0]];
     CHECK((counts[4] >= 9 && counts[4] <= 11));
@@ -86,26 +86,26 @@ TEST_CASE("a bus reads all tables, and has their values") {
     CHECK((counts[3] >= 2 && counts[3] <= 3));
     r.model.coils[3] = false;
     r.all.run_for(milliseconds(300));
-    CHECK(!r.all.latest<1>(milliseconds(250))->get<tank::valve>());
+    CHECK(!*r.all.latest<tank::valve>(tank_node, milliseconds(250)));
 }
 
 TEST_CASE("values that became old, or never came, are none: the reason is that of the last attempt") {
     rig r;
     r.all.run_for(milliseconds(500));
-    REQUIRE(r.all.latest<1>(milliseconds(250)));
+    REQUIRE(r.all.latest<tank::valve>(tank_node, milliseconds(250)));
     r.port.device = nullptr;
     r.all.run_for(milliseconds(600));
-    CHECK(r.all.latest<0>(milliseconds(150)).error() == errc::timeout);
-    CHECK(r.all.latest<1>(milliseconds(250)).error() == errc::timeout);
+    CHECK(r.all.latest<tank::level>(tank_node, milliseconds(150)).error() == errc::timeout);
+    CHECK(r.all.latest<tank::valve>(tank_node, milliseconds(250)).error() == errc::timeout);
     r.all.run_for(milliseconds(3000));
     CHECK(r.all.is_absent(9));
     r.port.device = [&](scripted_port& p, const sent_frame& f) { r.model(p, f, 9); };
     r.all.run_for(milliseconds(4500));
     CHECK(!r.all.is_absent(9));
-    CHECK(r.all.latest<1>(milliseconds(250)));
+    CHECK(r.all.latest<tank::valve>(tank_node, milliseconds(250)));
     r.model.coils.clear();
     r.all.run_for(milliseconds(600));
-    CHECK(r.all.latest<1>(milliseconds(250)).status().exception() == 2);
+    CHECK(r.all.latest<tank::valve>(tank_node, milliseconds(250)).status().exception() == 2);
 }
 
 TEST_CASE("padding that is not 0 is no value, and does not count as a response that is lost") {
@@ -115,8 +115,8 @@ TEST_CASE("padding that is not 0 is no value, and does not count as a response t
         r.model(p, f, 9);
     };
     r.all.run_for(milliseconds(5000));
-    CHECK(r.all.latest<1>(milliseconds(250)).error() == errc::unexpected_value);
-    CHECK(r.all.latest<0>(milliseconds(150)));
+    CHECK(r.all.latest<tank::valve>(tank_node, milliseconds(250)).error() == errc::unexpected_value);
+    CHECK(r.all.latest<tank::level>(tank_node, milliseconds(150)));
     CHECK(!r.all.is_absent(9));
 }
 

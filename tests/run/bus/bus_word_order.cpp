@@ -41,9 +41,9 @@ struct rig : tests::wheels_and_lift, tests::wheels_and_lift_program {
   private:
     void look() {
         turn();
-        const auto seen = all.latest<2>(milliseconds(200));
+        const auto seen = all.latest<yako::actual_position>(tests::lift_node, milliseconds(200));
         if (!seen) return;
-        ++(seen->get<yako::actual_position>().count() == place ? right : wrong);
+        ++(seen->count() == place ? right : wrong);
     }
 };
 
@@ -63,7 +63,8 @@ constexpr poll_plan table_plan{modbus::timing_at(115200),
 TEST_CASE("G22: a bus reads a node in the word order of its facade, and delivers no value in another") {
     rig r;
     r.run(200);
-    CHECK(r.all.latest<2>(milliseconds(200)).error() == errc::needs_init);
+    CHECK(r.all.latest<yako::actual_position>(tests::lift_node, milliseconds(200)).error() ==
+          errc::needs_init);
     REQUIRE(r.command(r.lift, yako::init{}));
     REQUIRE(r.command(r.lift, yako::enable{}));
     REQUIRE(r.command(r.lift, yako::declare_position{rig::place * pulse}));
@@ -116,7 +117,7 @@ TEST_CASE("G22: the word order is unknown while a command that may reset it, or 
     }
     CHECK(r.lift.current_word_order() == word_order::unknown);
     r.run(20);
-    CHECK_FALSE(r.all.latest<2>(milliseconds(1000)));
+    CHECK_FALSE(r.all.latest<yako::actual_position>(tests::lift_node, milliseconds(1000)));
 }
 
 TEST_CASE("the word order of a facade replaces the one that was set on the bus") {
@@ -139,18 +140,18 @@ TEST_CASE("G22: a 32-bit read of a C630S delivers no value while its word order 
     c630s::drive<scheduled_line<sim::virtual_line>> drive{on, servo_node};
     auto all = make_bus<servo_plan>(on, drive);
     all.run_for(milliseconds(300));
-    CHECK(all.latest<0>(milliseconds(200)).error() == errc::needs_init);
+    CHECK(all.latest<c630s::feedback_pulses>(servo_node, milliseconds(200)).error() == errc::needs_init);
     REQUIRE(all.run(drive, c630s::init{}));
     all.run_for(milliseconds(200));
-    CHECK(all.latest<0>(milliseconds(200)));
-    CHECK(all.latest<1>(milliseconds(200)));
+    CHECK(all.latest<c630s::feedback_pulses>(servo_node, milliseconds(200)));
+    CHECK(all.latest<c630s::actual_speed>(servo_node, milliseconds(200)));
     all.set_word_order(1, word_order::unknown); // that of the facade counts
-    CHECK(all.latest<0>(milliseconds(200)));
+    CHECK(all.latest<c630s::feedback_pulses>(servo_node, milliseconds(200)));
 
     // It may come back with another word order.
     REQUIRE(drive.begin(c630s::factory_reset{c630s::sole_drive_on_the_line{}}) == errc::ok);
     all.run_for(milliseconds(1));
-    CHECK_FALSE(all.latest<0>(milliseconds(200)));
+    CHECK_FALSE(all.latest<c630s::feedback_pulses>(servo_node, milliseconds(200)));
 }
 
 TEST_CASE("G22: a bus delivers no value in the word order before a write of its register beside the bus") {
@@ -171,9 +172,9 @@ TEST_CASE("G22: a bus delivers no value in the word order before a write of its 
         for (const auto end = port.time + ms * 1000u; port.time < end; port.time += 100) {
             (void)all.step();
             (void)put.step();
-            const auto seen = all.latest<0>(milliseconds(300));
+            const auto seen = all.latest<yako::actual_position>(milliseconds(300));
             if (!seen) continue;
-            REQUIRE(seen->get<yako::actual_position>().count() == 5);
+            REQUIRE(seen->count() == 5);
             ++right;
         }
         return right;
@@ -185,13 +186,13 @@ TEST_CASE("G22: a bus delivers no value in the word order before a write of its 
     (void)watch(1000);
     CHECK(put.status());
     CHECK(table.words[0x0019] == 1);
-    CHECK(all.latest<0>(milliseconds(300)).error() == errc::needs_word_order);
+    CHECK(all.latest<yako::actual_position>(table_node, milliseconds(300)).error() == errc::needs_word_order);
     all.set_word_order(7, word_order::low_first);
     CHECK(watch(500) > 1000);
     // The program was wrong, and corrects itself.
     all.set_word_order(7, word_order::high_first);
     all.run_for(milliseconds(500));
-    REQUIRE(all.latest<0>(milliseconds(300))->get<yako::actual_position>().count() != 5);
+    REQUIRE(all.latest<yako::actual_position>(table_node, milliseconds(300))->count() != 5);
     all.set_word_order(7, word_order::low_first);
     CHECK(watch(500) > 1000);
 }
@@ -209,13 +210,13 @@ TEST_CASE("G22: the word order of one node is not that of another") {
     auto all = make_bus<two>(on);
     all.set_word_order(8, word_order::high_first);
     all.run_for(milliseconds(500));
-    CHECK(all.latest<0>(milliseconds(300)).error() == errc::needs_word_order);
-    REQUIRE(all.latest<1>(milliseconds(300)));
-    CHECK(all.latest<1>(milliseconds(300))->get<yako::actual_position>().count() == 5);
+    CHECK(all.latest<yako::actual_position>(table_node, milliseconds(300)).error() == errc::needs_word_order);
+    REQUIRE(all.latest<yako::actual_position>(other_node, milliseconds(300)));
+    CHECK(all.latest<yako::actual_position>(other_node, milliseconds(300))->count() == 5);
     all.set_word_order(7, word_order::low_first);
     all.run_for(milliseconds(500));
-    CHECK(all.latest<0>(milliseconds(300))->get<yako::actual_position>().count() == 5 << 16);
-    CHECK(all.latest<1>(milliseconds(300))->get<yako::actual_position>().count() == 5);
+    CHECK(all.latest<yako::actual_position>(table_node, milliseconds(300))->count() == 5 << 16);
+    CHECK(all.latest<yako::actual_position>(other_node, milliseconds(300))->count() == 5);
 }
 
 } // namespace bus_word_order_tests

@@ -354,7 +354,8 @@ template <const auto& Plan, bool HasReads> void ask_one_that_refuses(std::uint8_
     CHECK(refused > 30); // a node that is gone is asked once a second
     if constexpr (HasReads) {
         CHECK_FALSE(all.is_absent(9));
-        CHECK(all.template latest<0>(milliseconds(500)).error() == errc::exception);
+        CHECK(all.template latest<yako::status_word>(sensor_node, milliseconds(500)).error() ==
+              errc::exception);
     }
     REQUIRE(write.begin(u16{0x0020}, u16{1}) == errc::ok);
     const status how = ended(write);

@@ -135,15 +135,15 @@ TEST_CASE("the values of a sensor beside wheels are those of its server") {
     r.values.set<sensor::temperature>(raw(-123));
     r.values.set<sensor::is_door_open>(true);
     r.run(300);
-    const auto analog = r.all.latest<0>(milliseconds(150));
+    const auto analog = r.all.latest<sensor::distance, sensor::temperature>(sensor_node, milliseconds(150));
     REQUIRE(analog);
     CHECK(analog->get<sensor::temperature>().count() == -123);
-    const auto bits = r.all.latest<1>(milliseconds(150));
+    const auto bits = r.all.latest<sensor::is_door_open, sensor::is_guarded>(sensor_node, milliseconds(150));
     REQUIRE(bits);
     CHECK((bits->get<sensor::is_door_open>() && bits->get<sensor::is_guarded>()));
     r.values.set<sensor::is_door_open>(false);
     r.run(300);
-    CHECK(!r.all.latest<1>(milliseconds(150))->get<sensor::is_door_open>());
+    CHECK(!*r.all.latest<sensor::is_door_open>(sensor_node, milliseconds(150)));
 }
 
 TEST_CASE("values of a sensor that are taken are not older than what was asked for") {
@@ -153,23 +153,24 @@ TEST_CASE("values of a sensor that are taken are not older than what was asked f
     std::uint32_t oldest = 0;
     for (unsigned i = 0; i < 4000; ++i) {
         r.turn();
-        const auto analog = r.all.latest<0>(milliseconds(150));
-        REQUIRE(analog);
-        const std::uint32_t age = r.age_of(analog->get<sensor::distance>());
+        const auto distance = r.all.latest<sensor::distance>(sensor_node, milliseconds(150));
+        REQUIRE(distance);
+        const std::uint32_t age = r.age_of(*distance);
         oldest = age > oldest ? age : oldest;
     }
     CHECK(oldest >= 95); // read every 100 ms
     CHECK(oldest <= 130);
     r.wire.set_connected(1, false);
     std::uint32_t last = 0;
-    for (auto v = r.all.latest<0>(milliseconds(150)); v; v = r.all.latest<0>(milliseconds(150))) {
-        last = r.age_of(v->get<sensor::distance>());
+    const auto distance = [&] { return r.all.latest<sensor::distance>(sensor_node, milliseconds(150)); };
+    for (auto v = distance(); v; v = distance()) {
+        last = r.age_of(*v);
         r.turn();
     }
     CHECK(last <= 155);
     r.run(3000);
-    CHECK(r.all.latest<0>(milliseconds(150)).error() == errc::timeout);
-    CHECK(r.all.latest<1>(milliseconds(150)).error() == errc::timeout);
+    CHECK(r.all.latest<sensor::distance>(sensor_node, milliseconds(150)).error() == errc::timeout);
+    CHECK(r.all.latest<sensor::is_door_open>(sensor_node, milliseconds(150)).error() == errc::timeout);
 }
 
 TEST_CASE("G28: wheels keep their setpoints per second while the sensor is present, absent and returning") {
@@ -193,8 +194,8 @@ TEST_CASE("G28: wheels keep their setpoints per second while the sensor is prese
         CHECK(r.wire.time_us() - back <= plan.rediscovery_bound(2).us);
         r.run(10'000 - static_cast<std::uint32_t>((r.wire.time_us() - back) / 1000));
         CHECK(r.setpoints == 200);
-        CHECK(r.all.latest<0>(milliseconds(150)));
-        CHECK(r.all.latest<1>(milliseconds(150)));
+        CHECK(r.all.latest<sensor::distance>(sensor_node, milliseconds(150)));
+        CHECK(r.all.latest<sensor::is_door_open>(sensor_node, milliseconds(150)));
         CHECK(r.wire.collisions() == 0);
         CHECK_FALSE(r.model.in_watchdog_stop());
     }

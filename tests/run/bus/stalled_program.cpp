@@ -77,7 +77,8 @@ TEST_CASE("S3: no cyclic read is the first frame after the watchdog's time, at w
         CHECK(r.requests[1] == to_wheels);
         CHECK(r.requests[2] >= to_lift + 4); // a drive without a watchdog is read on
         CHECK(r.wheels.state() == drive_state::needs_init);
-        CHECK(r.all.latest<0>(milliseconds(10'000)).error() == errc::needs_init);
+        CHECK(r.all.latest<zlac8015d::bus_voltage>(wheels_node, milliseconds(10'000)).error() ==
+              errc::needs_init);
     }
 }
 

@@ -121,7 +121,7 @@ TEST_CASE("G3: bits that repeat their request are values where an echo is ruled 
 
     bus<bits_plan, any_line::line> all{r.on};
     all.run_for(milliseconds(200));
-    const auto latest = all.latest<0>(milliseconds(100));
+    const auto latest = all.latest<bit<18>, bit<19>, bit<20>>(milliseconds(100));
     REQUIRE(latest);
     CHECK((!latest->get<bit<18>>() && latest->get<bit<19>>() && latest->get<bit<20>>()));
 }

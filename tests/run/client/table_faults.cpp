@@ -185,26 +185,27 @@ TEST_CASE("G3: the same for a stepped read, and for a bus") {
 
     bus<bits_plan, any_line::line> all{r.on};
     all.run_for(milliseconds(500));
-    CHECK(all.latest<0>(milliseconds(400)).error() == errc::own_echo);
+    CHECK(all.latest<bit<0>>(milliseconds(400)).error() == errc::own_echo);
     r.answers();
     all.run_for(milliseconds(2500));
-    CHECK(all.latest<0>(milliseconds(400)));
+    CHECK(all.latest<bit<0>>(milliseconds(400)));
 }
 
 TEST_CASE("a bus has each bit of a read of several bytes, and judges the padding of the last one") {
     line_setup r;
     bus<two_bytes_plan, any_line::line> all{r.on};
     all.run_for(milliseconds(200));
-    const auto seen = all.latest<0>(milliseconds(100));
+    const auto seen =
+        all.latest<bit<0>, bit<1>, bit<6>, bit<8>, bit<9>, bit<10>>(node<device>{1}, milliseconds(100));
     REQUIRE(seen);
     CHECK((seen->get<bit<0>>() && seen->get<bit<6>>() && seen->get<bit<9>>()));
     CHECK((!seen->get<bit<1>>() && !seen->get<bit<8>>() && !seen->get<bit<10>>()));
     r.port.device = [](scripted_port& p, const sent_frame&) { p.say(500, framed({1, 1, 2, 0x01, 0x08})); };
     all.run_for(milliseconds(200));
-    CHECK(all.latest<0>(milliseconds(100)).error() == errc::unexpected_value);
+    CHECK(all.latest<bit<0>>(milliseconds(100)).error() == errc::unexpected_value);
     r.port.device = [](scripted_port& p, const sent_frame&) { p.say(500, framed({1, 1, 2, 0xFF, 0x04})); };
     all.run_for(milliseconds(200));
-    CHECK(all.latest<0>(milliseconds(100)));
+    CHECK(all.latest<bit<0>>(milliseconds(100)));
 }
 
 TEST_CASE_TEMPLATE("G2: a response to 05 or 0F has the address and the value or quantity of its request",

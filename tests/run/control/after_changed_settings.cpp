@@ -189,26 +189,30 @@ TEST_CASE("G21, G36: on a bus, too, one drive is stale, and the values of the ot
     REQUIRE(p.command(p.wheels, init{}));
     REQUIRE(p.command(p.lift, init{}));
     p.run(300);
-    REQUIRE(p.all.latest<0>(milliseconds(200)));
-    REQUIRE(p.all.latest<1>(milliseconds(200)));
+    REQUIRE(p.all.latest<zlac8015d::bus_voltage>(tests::wheels_node, milliseconds(200)));
+    REQUIRE(p.all.latest<yako::closed_loop::output_polarity>(tests::lift_node, milliseconds(200)));
     client to_lift{p.on, tests::lift_node};
     status how = errc::busy;
     while (!how) {
         p.turn();
         how = to_lift.write<yako::microstep_resolution>(2000);
     }
-    CHECK(p.all.latest<0>(milliseconds(200)).error() == errc::needs_init);
+    CHECK(p.all.latest<zlac8015d::bus_voltage>(tests::wheels_node, milliseconds(200)).error() ==
+          errc::needs_init);
     const std::uint64_t written = world.wire.time_us();
-    while (!p.all.latest<0>(milliseconds(200)) && world.wire.time_us() < written + 20'000) p.turn();
-    CHECK(p.all.latest<0>(milliseconds(200)));
-    CHECK(p.all.latest<1>(milliseconds(200)).error() == errc::needs_init);
+    while (!p.all.latest<zlac8015d::bus_voltage>(tests::wheels_node, milliseconds(200)) &&
+           world.wire.time_us() < written + 20'000)
+        p.turn();
+    CHECK(p.all.latest<zlac8015d::bus_voltage>(tests::wheels_node, milliseconds(200)));
+    CHECK(p.all.latest<yako::closed_loop::output_polarity>(tests::lift_node, milliseconds(200)).error() ==
+          errc::needs_init);
     CHECK(p.wheels.state() == drive_state::disabled);
     CHECK(p.lift.state() == drive_state::needs_init);
     p.run(300);
-    CHECK(p.all.latest<0>(milliseconds(200)));
+    CHECK(p.all.latest<zlac8015d::bus_voltage>(tests::wheels_node, milliseconds(200)));
     REQUIRE(p.command(p.lift, init{}));
     p.run(300);
-    CHECK(p.all.latest<1>(milliseconds(200)));
+    CHECK(p.all.latest<yako::closed_loop::output_polarity>(tests::lift_node, milliseconds(200)));
 }
 
 TEST_CASE("G21: what clients have learned of a node outlives writes that only a facade minds") {

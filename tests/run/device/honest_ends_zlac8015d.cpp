@@ -129,7 +129,7 @@ TEST_CASE(
             const auto shaft = seen->state.left.shaft;
             CHECK(shaft == (what == event::fault ? shaft_state::alarm : shaft_state::emergency_stop));
             CHECK(seen->left_faults.any() == (what == event::fault));
-            if (who == stepper::bus) CHECK(s.all.latest<0>(milliseconds(100)));
+            if (who == stepper::bus) CHECK(s.all.latest<bus_voltage>(wheels_node, milliseconds(100)));
             MESSAGE(std::string{what == event::fault ? "fault" : "wired stop"},
                     std::string{who == stepper::bus ? ", bus: " : ": "}, n,
                     " of 200 speeds reported as done, state ", static_cast<int>(s.wheels.state()));

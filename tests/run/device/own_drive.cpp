@@ -225,7 +225,7 @@ TEST_CASE("own drive: on a bus it keeps its supervision, its cyclic reads and th
         }
     };
     CHECK(drum.feedback(milliseconds(100)).error() == errc::needs_init);
-    CHECK(all.latest<0>(milliseconds(400)).error() == errc::needs_init);
+    CHECK(all.latest<winch::load>(milliseconds(400)).error() == errc::needs_init);
     REQUIRE(all.run(drum, servobus::init{}));
     REQUIRE(all.run(drum, servobus::enable{}));
     REQUIRE(all.run(drum, winch::turn{30 * r_per_min}));
@@ -233,7 +233,7 @@ TEST_CASE("own drive: on a bus it keeps its supervision, its cyclic reads and th
     CHECK(r.machine.is_turning());
     loop(400);
     CHECK_FALSE(r.machine.is_turning()); // the command timeout
-    CHECK(all.latest<0>(milliseconds(400)));
+    CHECK(all.latest<winch::load>(milliseconds(400)));
     REQUIRE(drum.feedback(milliseconds(100)));
     CHECK(drum.feedback(milliseconds(100))->position.count() == r.machine.place());
     CHECK(all.run(drum, winch::move_to{5'000 * pulse}, servobus::wait_reached{}).how ==

@@ -61,8 +61,8 @@ struct rig {
         return lift.last();
     }
     std::int32_t limit() const {
-        const auto seen = all.latest<0>(milliseconds(600));
-        return seen ? seen->get<yako::positive_software_limit>().count() : 0;
+        const auto seen = all.latest<yako::positive_software_limit>(lift_node, milliseconds(600));
+        return seen ? seen->count() : 0;
     }
 };
 
@@ -172,17 +172,19 @@ TEST_CASE("G22: a bus that was given the word order gives no 32-bit value after 
             while (!r.on.is_free()) r.turn();
             bus<without_a_facade, rig::line_type> all{r.on};
             all.set_word_order(2, word_order::low_first);
-            const auto limit = [&] { return all.latest<0>(milliseconds(600)); };
+            const auto limit = [&] {
+                return all.latest<yako::positive_software_limit>(lift_node, milliseconds(600));
+            };
             all.run_for(milliseconds(510));
             REQUIRE(limit());
-            REQUIRE(limit()->get<yako::positive_software_limit>().count() == rig::end);
+            REQUIRE(limit()->count() == rig::end);
             all.run_for(milliseconds(asked_after_ms));
             if (is_restarted) restart_while_another_client_asks(r);
             for (int i = 0; i < 3000; ++i) { // also before the bus is stepped again
                 if (is_restarted) {
                     REQUIRE_FALSE(limit());
                 } else if (limit()) {
-                    REQUIRE(limit()->get<yako::positive_software_limit>().count() == rig::end);
+                    REQUIRE(limit()->count() == rig::end);
                 }
                 all.run_for(milliseconds(1));
             }
@@ -191,7 +193,7 @@ TEST_CASE("G22: a bus that was given the word order gives no 32-bit value after 
                                                : word_order::low_first); // as if it had been read again
             all.run_for(milliseconds(600));
             REQUIRE(limit());
-            CHECK(limit()->get<yako::positive_software_limit>().count() == rig::end);
+            CHECK(limit()->count() == rig::end);
         }
     }
 }
@@ -233,11 +235,11 @@ TEST_CASE("G22: a bus gives no 32-bit value in the old order also if the restart
     while (!fresh.is_idle()) run(1);
     REQUIRE(fresh.last());
     run(600);
-    REQUIRE(all.latest<0>(milliseconds(600)));
+    REQUIRE(all.latest<yako::positive_software_limit>(lift_node, milliseconds(600)));
     restart_while_another_client_asks(r);
     for (int i = 0; i < 3000; ++i) {
-        const auto seen = all.latest<0>(milliseconds(600));
-        if (seen) REQUIRE(seen->get<yako::positive_software_limit>().count() == rig::end);
+        const auto seen = all.latest<yako::positive_software_limit>(lift_node, milliseconds(600));
+        if (seen) REQUIRE(seen->count() == rig::end);
         run(1);
     }
     CHECK(fresh.state() == yako::drive_state::needs_init);

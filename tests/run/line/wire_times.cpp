@@ -153,10 +153,10 @@ void restart_in_a_read(Polled& r, bool& is_lost, std::uint16_t first, std::uint1
 TEST_CASE("G21, G22: a read without a response invalidates the word order for all reads of its drive") {
     polled<words_and_pairs> r;
     r.all.set_word_order(1, word_order::high_first);
-    const auto pair_value = [&] { return r.all.latest<1>(milliseconds(5000)); };
+    const auto pair_value = [&] { return r.all.latest<pair>(milliseconds(5000)); };
     r.step_until([&] { return r.all.count(0) != 0 && r.all.count(1) != 0; });
     REQUIRE(pair_value());
-    CHECK(pair_value()->get<pair>() == 0x0001'2345);
+    CHECK(*pair_value() == 0x0001'2345);
     // The drive restarts, with the other word order, while the 16-bit word is read.
     bool is_lost = false;
     restart_in_a_read(r, is_lost, 0x2345, 0x0001);
@@ -164,16 +164,16 @@ TEST_CASE("G21, G22: a read without a response invalidates the word order for al
     r.step_until([&] { return is_lost; });
     const auto wrong = [&] {
         const auto v = pair_value();
-        return v && v->get<pair>() != 0x0001'2345;
+        return v && *v != 0x0001'2345;
     };
     r.step_until([&] { return r.all.count(1) >= before + 3 || wrong(); });
     CHECK_FALSE(wrong());
     CHECK(pair_value().error() == errc::needs_word_order);
-    CHECK(r.all.latest<0>(milliseconds(1000))); // a 16-bit word has no word order
+    CHECK(r.all.latest<word>(milliseconds(1000))); // a 16-bit word has no word order
     r.all.set_word_order(1, word_order::low_first);
     r.step_for(700'000);
     REQUIRE(pair_value());
-    CHECK(pair_value()->get<pair>() == 0x0001'2345);
+    CHECK(*pair_value() == 0x0001'2345);
 }
 
 TEST_CASE(
@@ -183,17 +183,17 @@ TEST_CASE(
     r.file.words[2] = 0x2345; // low word first
     r.file.words[3] = 0x0001;
     r.all.set_word_order(1, word_order::low_first);
-    const auto pair_value = [&] { return r.all.latest<1>(milliseconds(5000)); };
+    const auto pair_value = [&] { return r.all.latest<pair>(milliseconds(5000)); };
     r.step_until([&] { return r.all.count(0) != 0 && r.all.count(1) != 0; });
     REQUIRE(pair_value());
-    CHECK(pair_value()->get<pair>() == 0x0001'2345);
+    CHECK(*pair_value() == 0x0001'2345);
     // The drive restarts while a word is read, and has the order of the factory again.
     bool is_lost = false;
     restart_in_a_read(r, is_lost, 0x0001, 0x2345);
     const std::uint32_t before = r.all.count(1);
     r.step_until([&] {
         const auto v = pair_value();
-        if (v) REQUIRE(v->get<pair>() == 0x0001'2345);
+        if (v) REQUIRE(*v == 0x0001'2345);
         return r.all.count(1) >= before + 3;
     });
     REQUIRE(is_lost);
@@ -208,8 +208,8 @@ TEST_CASE("G20: the age of a bus's value counts from its request, however long t
         r.step_until([&] { return r.all.count(0) == 2; });
         const auto age = [&] { return r.port.time - r.port.frames.back().begin; };
         REQUIRE(age() > delay);
-        CHECK(r.all.latest<0>(microseconds(static_cast<std::uint32_t>(age()) + 100)));
-        CHECK_FALSE(r.all.latest<0>(microseconds(static_cast<std::uint32_t>(age()) - 100)));
+        CHECK(r.all.latest<word>(microseconds(static_cast<std::uint32_t>(age()) + 100)));
+        CHECK_FALSE(r.all.latest<word>(microseconds(static_cast<std::uint32_t>(age()) - 100)));
     }
 }
 

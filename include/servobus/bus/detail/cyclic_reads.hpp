@@ -11,6 +11,7 @@
 #include <type_traits>
 
 #include <servobus/bus/detail/drive_list.hpp>
+#include <servobus/bus/detail/planned_rows.hpp>
 #include <servobus/bus/detail/read_order.hpp>
 #include <servobus/bus/plan.hpp>
 #include <servobus/core/epoch.hpp>
@@ -92,18 +93,45 @@ template <const auto& Plan, class Line, class... Drives> class cyclic_reads {
         }
         return {};
     }
-    template <class Values>
-    constexpr result<Values> latest_of(std::size_t i, std::size_t offset, duration oldest) const {
-        if (const status why = why_not(i, oldest, Values::has_pairs); !why) return why;
-        Values v{taken_in(i)};
+    template <const auto& R>
+    constexpr result<reading<R>> latest_row(place_of_rows at, duration oldest) const {
+        constexpr bool is_pair = addresses_in<row_type<R>> == 2;
+        if (const status why = why_not(at.read, oldest, is_pair); !why) return why;
+        if constexpr (is_bit<R>)
+            return reading_of<R>(bit(at.offset));
+        else if constexpr (is_pair)
+            return reading_of<R>(join_words(words_[at.offset], words_[at.offset + 1], taken_in(at.read)));
+        else
+            return reading_of<R>(words_[at.offset]);
+    }
+    template <const auto&... Rs>
+    constexpr result<readings<Rs...>> latest_rows(place_of_rows at, duration oldest) const {
+        using values = readings<Rs...>;
+        if (const status why = why_not(at.read, oldest, values::has_pairs); !why) return why;
+        values v{taken_in(at.read)};
+        constexpr const auto& plan = values::plan; // its requests are parts of the read
         if constexpr (requires { v.words(); }) {
             const auto words = v.words();
-            for (std::size_t k = 0; k < words.size(); ++k) words[k] = words_[offset + k];
+            std::size_t k = 0;
+            for (std::size_t i = 0; i < plan.count; ++i) {
+                const std::size_t from = at.offset + plan.requests[i].address - plan.requests[0].address;
+                for (std::size_t w = 0; w < plan.requests[i].words; ++w) words[k++] = words_[from + w];
+            }
         } else {
-            std::uint8_t data[Values::plan.bytes];
-            for (std::size_t k = 0; k < sizeof data; ++k)
-                data[k] = static_cast<std::uint8_t>(words_[offset + k / 2] >> (k % 2 == 0 ? 8 : 0));
-            (void)v.take(0, data);
+            for (std::size_t i = 0; i < plan.count; ++i) {
+                const auto& part = plan.requests[i];
+                const std::size_t from = at.offset + part.address - plan.requests[0].address;
+                std::uint8_t data[plan.bytes]{};
+                for (std::size_t k = 0; k < part.quantity; ++k) {
+                    if (part.has_bits()) {
+                        data[k / 8] = static_cast<std::uint8_t>(data[k / 8] | bit(from + k) << k % 8);
+                    } else {
+                        data[2 * k] = static_cast<std::uint8_t>(words_[from + k] >> 8);
+                        data[2 * k + 1] = static_cast<std::uint8_t>(words_[from + k]);
+                    }
+                }
+                (void)v.take(i, bytes{data}.first(part.size()));
+            }
         }
         return v;
     }
@@ -281,6 +309,11 @@ template <const auto& Plan, class Line, class... Drives> class cyclic_reads {
         reading_ = none;
     }
 
+    // A bit by its number among those of all words; each word has the bits of two bytes, the first one high.
+    constexpr unsigned bit(std::size_t i) const {
+        const auto at = static_cast<unsigned>(i % 16) ^ 8u;
+        return static_cast<unsigned>(words_[i / 16] >> at) & 1u;
+    }
     // The standard demands zeros behind the last bit of a response.
     constexpr bool has_zero_padding() const {
         const poll& p = Plan.polls[reading_];

@@ -96,7 +96,6 @@ template <class... Entries> struct entry_list {
     using all = numbered_types<std::index_sequence_for<Entries...>, Entries...>;
     template <std::size_t Place>
     using at = typename decltype(find_number<Place>(static_cast<const all*>(nullptr)))::type;
-    template <std::size_t I> using read = at<of_reads.place[I]>;
     template <std::size_t I> using drive = typename model_of_entry<at<of_drives.place[I]>>::type;
 };
 
