@@ -51,8 +51,8 @@ std::size_t made_again(bytes pdu, byte_buffer out) {
         return modbus::put_read_write_request(out, r->read_address, r->quantity, r->write_address,
                                               words_of(r->values));
     if (const auto r = modbus::parse_diagnostic_request(pdu)) {
-        if (r->what == modbus::diagnostic::loopback)
-            return modbus::put_loopback_request(out, words_of(r->data));
+        if (r->what == modbus::diagnostic::return_query_data)
+            return modbus::put_return_query_data_request(out, words_of(r->data));
         return modbus::put_diagnostic_request(out, r->what);
     }
     return 0; // registers, which fuzz_request.cpp has

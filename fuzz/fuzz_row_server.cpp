@@ -27,9 +27,9 @@ namespace {
 
 constexpr std::uint8_t node_address = 7;
 constexpr modbus::rtu_timing timing = modbus::timing_at(115200, modbus::timing_mode::strict);
-using server =
-    row_server<byte_times::uart, served_rows::values, timing, with_mask_write, with_read_write, with_loopback,
-               with_identification<served_rows::about>, with_server_id<served_rows::id>>;
+using server = row_server<byte_times::uart, served_rows::values, timing, with_mask_write, with_read_write,
+                          with_return_query_data, with_identification<served_rows::about>,
+                          with_server_id<served_rows::id>>;
 
 const row_model::device description = served_rows::description();
 const row_model::device with_room = [] { // in host timing the buffer has room for each PDU
@@ -173,9 +173,9 @@ class bench {
     byte_list expected_;
 };
 
-using host_server =
-    host_row_server<byte_times::uart, served_rows::values, with_mask_write, with_read_write, with_loopback,
-                    with_identification<served_rows::about>, with_server_id<served_rows::id>>;
+using host_server = host_row_server<byte_times::uart, served_rows::values, with_mask_write, with_read_write,
+                                    with_return_query_data, with_identification<served_rows::about>,
+                                    with_server_id<served_rows::id>>;
 
 class host_bench {
   public:

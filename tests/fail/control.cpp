@@ -177,7 +177,7 @@ constexpr int pdus() {
     (void)modbus::put_write_coils_request(pdu, 0, modbus::bits_view{servobus::hex("CD 01"), 10});
     (void)modbus::put_read_write_request(pdu, 3, 6, 14, values);
     (void)modbus::put_read_write_request(pdu, 3, 6, 0xFFFE, values);
-    (void)modbus::put_loopback_request(pdu, values);
+    (void)modbus::put_return_query_data_request(pdu, values);
     (void)modbus::put_diagnostic_request(pdu, modbus::diagnostic::bus_messages);
     (void)modbus::put_bare_request(pdu, modbus::function::report_server_id);
     (void)modbus::put_identification_request(pdu, {modbus::identification::regular, 0});

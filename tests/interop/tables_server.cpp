@@ -63,8 +63,8 @@ int serve(const char* link, std::integer_sequence<unsigned, Words...> words,
     (values.template set<interop::input_word<Words>>(interop::initial(interop::first + Words)), ...);
     (values.template set<interop::coil<Coils>>(interop::initial_bit(interop::first_coil + Coils)), ...);
     (values.template set<interop::input<Inputs>>(interop::initial_bit(interop::first_input + Inputs)), ...);
-    host_row_server<posix::pseudo_terminal, values_type, with_mask_write, with_read_write, with_loopback,
-                    with_identification<about>, with_server_id<id>>
+    host_row_server<posix::pseudo_terminal, values_type, with_mask_write, with_read_write,
+                    with_return_query_data, with_identification<about>, with_server_id<id>>
         server{port, values, interop::node_address, modbus::timing_at(interop::baud)};
     while (true) {
         port.wait(server.is_answering() ? microseconds(200) : milliseconds(5));

@@ -185,8 +185,9 @@ inline std::size_t least(const byte_list& asked, const byte_list& begun) {
     if (is_one_of(code, {5, 6, 11, 15, 16})) return 5;
     if (code == 22) return 7;
     if (code == 8) {
-        const bool is_loopback = asked.size() >= 5 && asked.size() <= 253 && asked[1] == 0 && asked[2] == 0;
-        return is_loopback ? asked.size() : 5;
+        const bool is_return_query_data =
+            asked.size() >= 5 && asked.size() <= 253 && asked[1] == 0 && asked[2] == 0;
+        return is_return_query_data ? asked.size() : 5;
     }
     if (code == 24) return begun.size() < 3 ? 3 : capped(3 + word(begun, 1), 3);
     if (code != 43) return 2;

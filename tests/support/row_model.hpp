@@ -32,7 +32,7 @@ struct device {
     bool is_low_first = false;
     unsigned most_read = 125, most_written = 123;
     std::size_t room = 253; ///< of the server's buffer
-    std::string functions;  ///< m 16h, w 17h, l loopback
+    std::string functions;  ///< m 16h, w 17h, l Return Query Data
     std::vector<std::pair<unsigned, std::string>> objects;
     std::string id;
 };

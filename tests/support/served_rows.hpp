@@ -74,7 +74,7 @@ inline constexpr identity about[]{{0x00, "Works"},
                                   {0xFF, "last of its own"}};
 inline constexpr char id[] = "rows";
 
-using executor = request_executor<values, with_mask_write, with_read_write, with_loopback,
+using executor = request_executor<values, with_mask_write, with_read_write, with_return_query_data,
                                   with_identification<about>, with_server_id<id>>;
 
 inline row_model::device description() {

@@ -21,7 +21,7 @@ FUNCTIONS = [
     ("06 2080 01F4", "write left_acceleration_time (0x2080) = 500 ms", "06 2080 01F4",
      "left_acceleration_time (0x2080) = 500 ms written"),
     ("07", "read exception status", "07 6D", "exception status 0x6D"),
-    ("08 0000 A537", "loopback test 0xA537", "08 0000 A537", "loopback test 0xA537"),
+    ("08 0000 A537", "return query data 0xA537", "08 0000 A537", "return query data 0xA537"),
     ("0B", "read event counter", "0B FFFF 0108", "event counter 264, busy"),
     ("0C", "read event log", "0C 08 0000 0108 0121 2000",
      "event log of 264 events and 289 messages, newest first: 20 00"),

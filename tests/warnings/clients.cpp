@@ -62,7 +62,7 @@ std::size_t build_requests(byte_buffer out, std::uint16_t address, modbus::bits_
     built += modbus::put_write_coils_request(out, address, coils);
     built += modbus::put_mask_write_request(out, {address, 1, 2});
     built += modbus::put_read_write_request(out, address, 2, address, values);
-    built += modbus::put_loopback_request(out, values);
+    built += modbus::put_return_query_data_request(out, values);
     built += modbus::put_diagnostic_request(out, modbus::diagnostic::bus_messages);
     built += modbus::put_bare_request(out, modbus::function::report_server_id);
     built += modbus::put_fifo_request(out, address);

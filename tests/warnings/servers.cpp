@@ -34,10 +34,10 @@ using values = row_values<hoist::target, hoist::speed, hoist::pump, hoist::tempe
                           computed<hoist::load, measured_load>>;
 constexpr auto strict = modbus::timing_at(19200, modbus::timing_mode::strict);
 using small_server = row_server<wire, values, strict>;
-using full_server = row_server<wire, values, strict, with_mask_write, with_read_write, with_loopback,
+using full_server = row_server<wire, values, strict, with_mask_write, with_read_write, with_return_query_data,
                                with_identification<hoist::about>, with_server_id<id>,
                                with_crc<modbus::crc_table16>, with_leading_bytes<4>>;
-using host_server = host_row_server<wire, values, with_mask_write, with_read_write, with_loopback,
+using host_server = host_row_server<wire, values, with_mask_write, with_read_write, with_return_query_data,
                                     with_identification<hoist::about>, with_server_id<id>>;
 
 void run(hoist::firmware<wire>& device, motor& shaft) { device.step(shaft); }

@@ -25,27 +25,27 @@ inline bool is_whole(servobus::bytes from, std::size_t size) {
 }
 inline servobus::bytes pdu_of(servobus::bytes from, std::size_t size) { return from.subspan(1, size - 3); }
 
-/// A loopback test has as many words as its client likes: the CRC tells where it ends. 8 if it fits nowhere.
-inline std::size_t loopback_size(servobus::bytes from) {
+/// Return Query Data has as many words as its client likes: the CRC tells where it ends. 8 if it fits nowhere.
+inline std::size_t query_data_size(servobus::bytes from) {
     constexpr std::size_t shortest = 8;
     for (std::size_t size = shortest; size <= from.size() && size <= max_frame; size += 2) {
         if (is_whole(from, size)) return size;
     }
     return shortest;
 }
-inline bool is_loopback(servobus::bytes from) {
+inline bool is_return_query_data(servobus::bytes from) {
     return from[1] == 0x08 && from.size() >= min_frame && servobus::load_word(from, 2) == 0;
 }
 
 /// True if the bytes of the frame that begins with `from`, at least two, give its length: by its function, and not of
-/// another encapsulated interface than the identification, nor of a loopback test whose CRC fits nowhere.
+/// another encapsulated interface than the identification, nor of a Return Query Data request whose CRC fits nowhere.
 inline bool has_length(servobus::bytes from) {
     constexpr std::uint8_t codes[] = {0x01, 0x02, 0x03, 0x04, 0x05, 0x06, 0x07, 0x08, 0x0B,
                                       0x0C, 0x0F, 0x10, 0x11, 0x16, 0x17, 0x18, 0x2B};
     const auto code = static_cast<std::uint8_t>(from[1] & 0x7Fu);
     if (std::find(std::begin(codes), std::end(codes), code) == std::end(codes)) return false;
     if (from[1] == 0x2B && from.size() > 2) return from[2] == 0x0E;
-    return !is_loopback(from) || from.size() < 8 || is_whole(from, loopback_size(from));
+    return !is_return_query_data(from) || from.size() < 8 || is_whole(from, query_data_size(from));
 }
 
 /// False if the counts of a request contradict each other, as far as `from` has them.
@@ -85,7 +85,7 @@ inline std::size_t request_size(servobus::bytes from) {
     case 0x0B:
     case 0x0C:
     case 0x11: return 4;
-    case 0x08: return is_loopback(from) ? loopback_size(from) : 8;
+    case 0x08: return is_return_query_data(from) ? query_data_size(from) : 8;
     case 0x18: return 6;
     case 0x2B: return 7;
     default: return servobus::modbus::request_length(from);
@@ -96,7 +96,7 @@ inline std::size_t request_size(servobus::bytes from) {
 /// Longer than `from` while its bytes do not give the length yet.
 inline std::size_t response_size(servobus::bytes from) {
     if ((from[1] & servobus::modbus::exception_flag) != 0) return 5;
-    if (is_loopback(from)) return loopback_size(from);
+    if (is_return_query_data(from)) return query_data_size(from);
     const bool has_length =
         servobus::modbus::response_length(from[1], from[2]) != 0 || request_size(from) != 0;
     if (!has_length) return 0;

@@ -138,7 +138,7 @@ class raw_client : protected detail::node_link<Line, Device, Node> {
             link::invalidate(link::all());
             if constexpr (link::may_have_facade) link::note_change();
         }
-        if (why && modbus::is_loopback(sent) && !same_bytes(room, sent))
+        if (why && modbus::is_return_query_data(sent) && !same_bytes(room, sent))
             why = status::sent(errc::wrong_value);
         (void)call.goes_on(why, node_, same_bytes(room, sent), line_->is_echo_ruled_out(node_.address));
         if (!why) return why;

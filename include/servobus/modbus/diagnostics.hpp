@@ -7,7 +7,7 @@
 //     constexpr auto response = hex("0B FF FF 01 08");
 //     static_assert(modbus::parse_event_counter(response)->count == 0x108);
 //
-// A loopback test (08 with sub-function 0) also passes if an adapter returns the request itself as a local echo.
+// Return Query Data (08 with sub-function 0) also passes if an adapter returns the request itself as a local echo.
 //
 // Source: Modbus Application Protocol V1.1b3, sections 6.7 to 6.10 and 6.13.
 #pragma once
@@ -27,7 +27,7 @@ namespace servobus::modbus {
 
 /// Sub-functions of function 08. All others are reserved.
 enum class diagnostic : std::uint16_t {
-    loopback = 0x00,               ///< returns the request
+    return_query_data = 0x00,      ///< returns the request
     restart_communications = 0x01, ///< data FF00 also clears the event log
     diagnostic_register = 0x02,
     change_delimiter = 0x03, ///< of Modbus ASCII; the data is the character and a zero
@@ -44,13 +44,14 @@ enum class diagnostic : std::uint16_t {
     clear_overrun_counter = 0x14,
 };
 
-inline constexpr std::size_t max_loopback = (max_pdu - 3) / 2; ///< words that a loopback test sends
-inline constexpr std::size_t max_events = 64;                  ///< bytes of an event log
+inline constexpr std::size_t max_query_data =
+    (max_pdu - 3) / 2;                        ///< words that a Return Query Data request sends
+inline constexpr std::size_t max_events = 64; ///< bytes of an event log
 
 namespace detail {
 // Not constexpr on purpose, as in pdu.hpp: the error of a constant request names the rule.
 inline void a_request_without_data_is_of_function_07_0B_0C_or_11h() {}
-inline void a_loopback_test_has_1_to_125_words() {}
+inline void return_query_data_has_1_to_125_words() {}
 inline void a_diagnostic_without_data_is_sub_function_02_0A_to_12_or_14h() {}
 
 constexpr bool is_bare(function code) {
@@ -92,17 +93,17 @@ constexpr result<function> parse_bare_request(bytes pdu) {
     return code;
 }
 
-/// Builds a loopback test, function 08 with sub-function 0, into `out`, and its response, which is the same. Returns
-/// its length, 3 + 2 * data.size(); 0 if there are not 1..125 words, or `out` is too small.
-constexpr std::size_t put_loopback_request(byte_buffer out, slice<const std::uint16_t> data) {
-    if (data.empty() || data.size() > max_loopback) {
-        detail::a_loopback_test_has_1_to_125_words();
+/// Builds a Return Query Data request, function 08 with sub-function 0, and its response, which equals it, into `out`.
+/// Returns its length, 3 + 2 * data.size(); 0 if there are not 1..125 words, or `out` is too small.
+constexpr std::size_t put_return_query_data_request(byte_buffer out, slice<const std::uint16_t> data) {
+    if (data.empty() || data.size() > max_query_data) {
+        detail::return_query_data_has_1_to_125_words();
         return 0;
     }
     const std::size_t length = 3 + 2 * data.size();
     if (out.size() < length) return 0;
     out[0] = static_cast<std::uint8_t>(function::diagnostics);
-    store_word(out, 1, static_cast<std::uint16_t>(diagnostic::loopback));
+    store_word(out, 1, static_cast<std::uint16_t>(diagnostic::return_query_data));
     for (std::size_t i = 0; i < data.size(); ++i) store_word(out, 3 + 2 * i, data[i]);
     return length;
 }
@@ -122,20 +123,20 @@ constexpr std::size_t put_diagnostic_request(byte_buffer out, diagnostic what) {
 
 /// A parsed request of function 08.
 struct diagnostic_request {
-    diagnostic what = diagnostic::loopback;
-    words_view data{}; ///< one word, or 1..125 of a loopback test
+    diagnostic what = diagnostic::return_query_data;
+    words_view data{}; ///< one word, or 1..125 of a Return Query Data request
 };
 
 /// Parses a request of function 08.
 /// Errors, in this order: `too_short` (empty), `wrong_function`, `too_short`, `wrong_function` (a reserved
-/// sub-function), `too_long`, `wrong_byte_count` (a loopback test of half a word), `wrong_value` (data that the
+/// sub-function), `too_long`, `wrong_byte_count` (Return Query Data of half a word), `wrong_value` (data that the
 /// sub-function does not have).
 constexpr result<diagnostic_request> parse_diagnostic_request(bytes pdu) {
     if (pdu.empty()) return errc::too_short;
     if (pdu[0] != static_cast<std::uint8_t>(function::diagnostics)) return errc::wrong_function;
     if (pdu.size() < 5) return errc::too_short;
     const diagnostic_request r{static_cast<diagnostic>(load_word(pdu, 1)), words_view{pdu.subspan(3)}};
-    if (r.what == diagnostic::loopback) {
+    if (r.what == diagnostic::return_query_data) {
         if (pdu.size() > max_pdu) return errc::too_long;
         return pdu.size() % 2 != 0 ? result<diagnostic_request>{r} : errc::wrong_byte_count;
     }

@@ -28,9 +28,9 @@ class growing_response {
     constexpr explicit growing_response(bytes request) {
         if (request.empty()) return;
         code_ = request[0];
-        const bool is_loopback =
+        const bool is_return_query_data =
             code_ == 0x08 && request.size() <= max_pdu && request.size() >= 5 && load_word(request, 1) == 0;
-        if (is_loopback) loopback_ = static_cast<std::uint8_t>(request.size());
+        if (is_return_query_data) query_data_ = static_cast<std::uint8_t>(request.size());
     }
 
     /// The bytes that the PDU has at least; it is whole when it has as many. `begun` is all that has arrived of it, one
@@ -72,7 +72,7 @@ class growing_response {
         case 0x0B:
         case 0x0F:
         case 0x10: return end_at(0, 5);
-        case 0x08: return end_at(0, loopback_);
+        case 0x08: return end_at(0, query_data_);
         case 0x16: return end_at(0, 7);
         case 0x18: return go_on(3);
         case 0x2B: return go_on(7);
@@ -99,9 +99,9 @@ class growing_response {
     }
 
     std::uint8_t code_ = 0;
-    std::uint8_t length_ = 2;   // known so far
-    std::uint8_t loopback_ = 5; // the length of a response of function 08
-    std::uint8_t objects_ = 0;  // whose head has not come
+    std::uint8_t length_ = 2;     // known so far
+    std::uint8_t query_data_ = 5; // the length of a response of function 08
+    std::uint8_t objects_ = 0;    // whose head has not come
     bool is_known_ = false;
 };
 

@@ -29,8 +29,8 @@ constexpr std::uint8_t like(std::uint8_t code) {
     if (code < 32 && (themselves >> code & 1u) != 0) return code;
     return code == 0x17 ? std::uint8_t{0x03} : like_none;
 }
-/// True for a loopback, function 08h with sub-function 0, whose response repeats it.
-constexpr bool is_loopback(bytes request) {
+/// True for Return Query Data, function 08h with sub-function 0, whose response repeats it.
+constexpr bool is_return_query_data(bytes request) {
     return request[1] == 0x08 && request.size() >= 8 && load_word(request, 2) == 0;
 }
 /// True for the functions 01..04, in whose response the third byte counts those that follow.
@@ -65,8 +65,8 @@ constexpr std::uint16_t expected_register_response(bytes request) {
     return request.size() == 8 || (request.size() > 8 && request[1] != 0x06) ? 8 : 0;
 }
 
-/// The same for any function: `any_length` for those other than 01..06, 0F, 10h, 16h, 17h and a loopback (08h with
-/// sub-function 0).
+/// The same for any function: `any_length` for those other than 01..06, 0F, 10h, 16h, 17h and Return Query Data (08h
+/// with sub-function 0).
 constexpr std::uint16_t expected_response(bytes request) {
     const std::size_t size = request.size();
     const std::uint8_t code = request[1];
@@ -85,7 +85,7 @@ constexpr std::uint16_t expected_response(bytes request) {
     case 0x0F: return size >= 10 ? 8 : 0;
     case 0x16: return size == 10 ? 10 : 0;
     }
-    return is_loopback(request) ? static_cast<std::uint16_t>(size) : any_length;
+    return is_return_query_data(request) ? static_cast<std::uint16_t>(size) : any_length;
 }
 
 } // namespace servobus::modbus

@@ -27,7 +27,7 @@ struct with_mask_write {};
 /// Function 17h: writes registers, then reads registers.
 struct with_read_write {};
 /// Function 08 with sub-function 0: returns the request, up to the server's buffer.
-struct with_loopback {};
+struct with_return_query_data {};
 
 /// An object of a device's identification: vendor name (0), product code (1), revision (2), URL (3), product name (4),
 /// model name (5), application name (6), or one of its own (80h and above).
@@ -92,7 +92,7 @@ namespace detail {
 template <class O> inline constexpr unsigned option_number = 0;
 template <> inline constexpr unsigned option_number<with_mask_write> = 1;
 template <> inline constexpr unsigned option_number<with_read_write> = 2;
-template <> inline constexpr unsigned option_number<with_loopback> = 3;
+template <> inline constexpr unsigned option_number<with_return_query_data> = 3;
 template <const auto& O> inline constexpr unsigned option_number<with_identification<O>> = 4;
 template <const auto& T> inline constexpr unsigned option_number<with_server_id<T>> = 5;
 template <class H> inline constexpr unsigned option_number<with_hooks<H>> = 6;

@@ -138,7 +138,7 @@ template <class Values, class... Options> class request_executor {
         if constexpr (!std::is_void_v<objects>) {
             if (code == 0x2B) return detail::size_of_identification(p);
         }
-        if constexpr (has_mask_write || has<with_loopback>) {
+        if constexpr (has_mask_write || has<with_return_query_data>) {
             if (code == 0x16 || code == 0x08) return size;
         }
         return 5;
@@ -152,7 +152,7 @@ template <class Values, class... Options> class request_executor {
         if (writes_words) set |= u32{1} << 0x06 | u32{1} << 0x10;
         if (has_mask_write) set |= u32{1} << 0x16;
         if (has_read_write) set |= u32{1} << 0x17;
-        if (has<with_loopback>) set |= u32{1} << 0x08;
+        if (has<with_return_query_data>) set |= u32{1} << 0x08;
         if (!std::is_void_v<server_id>) set |= u32{1} << 0x11;
         return set;
     }();
@@ -171,7 +171,7 @@ template <class Values, class... Options> class request_executor {
         if constexpr (has_read_write) {
             if (code == 0x17) return write_then_read(p, size);
         }
-        if constexpr (has<with_loopback>) {
+        if constexpr (has<with_return_query_data>) {
             if (code == 0x08) {
                 if (size >= 3 && word_at(p + 1) != 0) return illegal_function; // another sub-function
                 return size < 5 || size % 2 == 0 || size > room ? illegal_value : 0;

@@ -157,7 +157,7 @@ TEST_CASE_TEMPLATE("G2, G3, G10: what is no valid response to another function e
         CHECK(r.port.frames.size() == 1); // never repeated
     }
     setup<Kind> r;
-    r.answer(framed({1, 0x41, 0x12, 0x34})); // as a loopback is answered, or as the echo of an adapter
+    r.answer(framed({1, 0x41, 0x12, 0x34})); // as Return Query Data is answered, or as the echo of an adapter
     byte_list room(3);
     CHECK(r.drive.transact(pdu, room) == errc::own_echo);
     r.port.device = [&r](scripted_port& p, const tests::sent_frame& f) { r.file(p, f); };

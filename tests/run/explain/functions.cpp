@@ -94,7 +94,7 @@ struct repeated {
 constexpr repeated all_repeated[] = {
     {"05 00 AC FF 00", "write coil 0x00AC = on", "coil 0x00AC = on written"},
     {"05 00 AC 00 00", "write coil 0x00AC = off", "coil 0x00AC = off written"},
-    {"08 00 00 A5 37 00 01", "loopback test 0xA537 0x0001", "loopback test 0xA537 0x0001"},
+    {"08 00 00 A5 37 00 01", "return query data 0xA537 0x0001", "return query data 0xA537 0x0001"},
     {"08 00 01 00 00", "restart communications", "restart communications, done"},
     {"08 00 01 FF 00", "restart communications and clear the event log",
      "restart communications and clear the event log, done"},

@@ -216,9 +216,9 @@ TEST_CASE_TEMPLATE("G3: on a line without a device no call ever succeeds", Echo,
             CHECK_FALSE(r.drive.template write<speed, other_speed>(5, 6));
             CHECK_FALSE(r.drive.write_word(0x200E, 8));
             CHECK_FALSE(r.drive.template write_if_different<speed>(5));
-            const std::array<std::uint8_t, 5> loopback{0x08, 0x00, 0x00, 0x12, 0x34};
+            const std::array<std::uint8_t, 5> query_data{0x08, 0x00, 0x00, 0x12, 0x34};
             std::array<std::uint8_t, 5> response{};
-            CHECK_FALSE(r.drive.transact(loopback, response));
+            CHECK_FALSE(r.drive.transact(query_data, response));
         }
         CHECK_FALSE(r.on.is_echo_ruled_out());
     }
@@ -294,9 +294,9 @@ TEST_CASE_TEMPLATE(
         CHECK(stop.outcome() == outcome::unknown);
         CHECK(r.sent() == byte_list{0x06, 0x03}); // the write first: it may be a stop
     }
-    const std::array<std::uint8_t, 5> loopback{0x08, 0x00, 0x00, 0x12, 0x34};
+    const std::array<std::uint8_t, 5> query_data{0x08, 0x00, 0x00, 0x12, 0x34};
     std::array<std::uint8_t, 5> response{};
-    if constexpr (!Line::is_small) CHECK(r.drive.transact(loopback, response).error() == errc::own_echo);
+    if constexpr (!Line::is_small) CHECK(r.drive.transact(query_data, response).error() == errc::own_echo);
     (void)r.sent();
     r.is_1_there = r.is_2_there = true;
     CHECK(r.drive.template write<speed>(7));

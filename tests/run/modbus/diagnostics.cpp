@@ -26,9 +26,9 @@ constexpr auto bare_pdu(function code) {
     b.size = put_bare_request(b.data, code);
     return b;
 }
-template <std::size_t N> constexpr auto loopback_pdu(const std::uint16_t (&data)[N]) {
+template <std::size_t N> constexpr auto query_data_pdu(const std::uint16_t (&data)[N]) {
     built_pdu<3 + 2 * N> b;
-    b.size = put_loopback_request(b.data, data);
+    b.size = put_return_query_data_request(b.data, data);
     return b;
 }
 constexpr auto diagnostic_pdu(diagnostic what) {
@@ -46,8 +46,8 @@ static_assert(same_bytes(bare_pdu(function::read_exception_status), hex("07")));
 static_assert(same_bytes(bare_pdu(function::get_event_counter), hex("0B")));
 static_assert(same_bytes(bare_pdu(function::get_event_log), hex("0C")));
 static_assert(same_bytes(bare_pdu(function::report_server_id), hex("11")));
-static_assert(same_bytes(loopback_pdu({0xA537}), hex("08 00 00 A5 37")));
-static_assert(same_bytes(loopback_pdu({1, 2}), hex("08 00 00 00 01 00 02")));
+static_assert(same_bytes(query_data_pdu({0xA537}), hex("08 00 00 A5 37")));
+static_assert(same_bytes(query_data_pdu({1, 2}), hex("08 00 00 00 01 00 02")));
 static_assert(same_bytes(diagnostic_pdu(diagnostic::bus_messages), hex("08 00 0B 00 00")));
 static_assert(same_bytes(fifo_pdu(0x04DE), hex("18 04 DE")));
 
@@ -76,7 +76,8 @@ static_assert(same_bytes(diagnostic_pdu(diagnostic::clear_overrun_counter), hex(
 static_assert(parse_diagnostic_request(hex("08 00 01 00 00"))->what == diagnostic::restart_communications);
 static_assert(parse_diagnostic_request(hex("08 00 03 0D 00"))->what == diagnostic::change_delimiter);
 static_assert(parse_diagnostic_request(hex("08 00 04 00 00"))->what == diagnostic::listen_only);
-static_assert(diagnostic_request{}.what == diagnostic::loopback && diagnostic_request{}.data.size() == 0);
+static_assert(diagnostic_request{}.what == diagnostic::return_query_data &&
+              diagnostic_request{}.data.size() == 0);
 static_assert(!event_counter{}.is_busy && event_counter{}.count == 0);
 static_assert(!event_log{}.is_busy && event_log{}.event_count == 0 && event_log{}.message_count == 0 &&
               event_log{}.events.empty());
@@ -92,7 +93,7 @@ static_assert(!tests::is_constant([] {
 }));
 static_assert(!tests::is_constant([] {
     std::uint8_t pdu[16]{};
-    return put_loopback_request(pdu, slice<const std::uint16_t>{});
+    return put_return_query_data_request(pdu, slice<const std::uint16_t>{});
 }));
 static_assert(!tests::is_constant([] {
     std::uint8_t pdu[16]{};
@@ -254,15 +255,16 @@ TEST_CASE("a diagnostic request that breaks a rule is not built, and nothing is 
     const std::array<std::uint16_t, 126> data{};
     CHECK(put_bare_request(out, function::diagnostics) == 0);
     CHECK(put_bare_request(byte_buffer{}, function::get_event_log) == 0);
-    CHECK(put_loopback_request(out, slice<const std::uint16_t>{}) == 0);
-    CHECK(put_loopback_request(out, data) == 0);
-    CHECK(put_loopback_request(byte_buffer{out}.first(4), slice<const std::uint16_t>{data}.first(1)) == 0);
+    CHECK(put_return_query_data_request(out, slice<const std::uint16_t>{}) == 0);
+    CHECK(put_return_query_data_request(out, data) == 0);
+    CHECK(put_return_query_data_request(byte_buffer{out}.first(4),
+                                        slice<const std::uint16_t>{data}.first(1)) == 0);
     for (const unsigned what : {0u, 1u, 3u, 4u, 5u, 9u, 0x13u, 0x15u, 0x100u})
         CHECK(put_diagnostic_request(out, static_cast<diagnostic>(what)) == 0);
     CHECK(put_diagnostic_request(byte_buffer{out}.first(4), diagnostic::bus_messages) == 0);
     CHECK(put_fifo_request(byte_buffer{out}.first(2), 1) == 0);
     CHECK(out == std::array<std::uint8_t, 255>{});
-    CHECK(put_loopback_request(out, slice<const std::uint16_t>{data}.first(125)) == max_pdu);
+    CHECK(put_return_query_data_request(out, slice<const std::uint16_t>{data}.first(125)) == max_pdu);
     CHECK(check_request(bytes{out}.first(253)) == errc::ok);
     out[0] = 8;
     CHECK(check_request(out) == errc::too_long);

@@ -146,7 +146,7 @@ TEST_CASE("a length that no PDU has ends where it shows") {
     CHECK(least(bytes{}, hex("01 03")) == 2);
 }
 
-TEST_CASE("a loopback test is as long as its request, other diagnostics have five bytes") {
+TEST_CASE("a Return Query Data request is as long as its request, other diagnostics have five bytes") {
     CHECK(least(hex("08 00 00 A5 37 00 01"), hex("08 00")) == 7);
     CHECK(least(hex("08 00 0B 00 00"), hex("08 00")) == 5);
     CHECK(least(hex("08 01 00 00 00 00 00"), hex("08 00")) == 5);

@@ -59,7 +59,7 @@ TEST_CASE("the length of a response that repeats its request, 0 for a request of
     CHECK(length_after({3, 0x10, 0, 7, 0}) == 0);
     CHECK(length_after({3, 0x16, 0, 7, 0, 1, 0, 2}) == 10);
     CHECK(length_after({3, 0x16, 0, 7, 0, 1}) == 0);
-    CHECK(length_after({3, 8, 0, 0, 1, 2}) == 8); // loopback
+    CHECK(length_after({3, 8, 0, 0, 1, 2}) == 8); // Return Query Data
     CHECK(length_after({3, 8, 0, 0, 1, 2, 3, 4}) == 10);
     CHECK(length_after({3, 8, 0, 0}) == unknown); // without data it is none
     CHECK(length_after({3, 8, 0, 2, 0, 0}) == unknown);

@@ -27,8 +27,9 @@ const modbus::rtu_timing timing = modbus::timing_at(115200);
 struct bench {
     byte_times::uart port{};
     served_rows::values values{};
-    host_row_server<byte_times::uart, served_rows::values, with_mask_write, with_read_write, with_loopback,
-                    with_identification<served_rows::about>, with_server_id<served_rows::id>>
+    host_row_server<byte_times::uart, served_rows::values, with_mask_write, with_read_write,
+                    with_return_query_data, with_identification<served_rows::about>,
+                    with_server_id<served_rows::id>>
         server;
 
     explicit bench(std::uint8_t node_address = 7) : server{port, values, node_address, timing} {

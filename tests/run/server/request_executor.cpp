@@ -48,7 +48,8 @@ inline constexpr coil<servobus::access::rw, example> at_ac{0xAC};
 
 using example_values = row_values<holding, single, next, masked, read_by_17h, input, c00, c01, c02, c03, c04,
                                   c05, c06, c07, c08, c09, at_ac>;
-using example_executor = request_executor<example_values, with_mask_write, with_read_write, with_loopback>;
+using example_executor =
+    request_executor<example_values, with_mask_write, with_read_write, with_return_query_data>;
 
 constexpr bool executes_the_examples_of_the_standard() {
     example_values v;
@@ -154,10 +155,10 @@ using large_executor = request_executor<large_values, with_read_write>;
 static_assert(large_executor::longest_request == 10 + 2 * 121 && large_executor::longest_response == 252);
 
 constexpr char long_id[] = "0123456789012345678901234567890123456789012345678901234567890123456789";
-static_assert(detail::has_each_once<with_mask_write, with_read_write, with_loopback,
+static_assert(detail::has_each_once<with_mask_write, with_read_write, with_return_query_data,
                                     with_identification<served_rows::about>, with_server_id<long_id>,
                                     with_hooks<int>, with_crc<modbus::default_crc>, with_leading_bytes<4>>());
-static_assert(!detail::has_each_once<with_leading_bytes<3>, with_loopback, with_leading_bytes<4>>());
+static_assert(!detail::has_each_once<with_leading_bytes<3>, with_return_query_data, with_leading_bytes<4>>());
 constexpr char longest_id[251]{'x'};
 static_assert(with_server_id<longest_id>::size == 250);
 static_assert(request_executor<only_inputs, with_server_id<long_id>>::longest_response == 70 + 3);

@@ -225,7 +225,7 @@ TEST_CASE("G14: broadcasts that write are executed without a response, and those
 }
 
 TEST_CASE("a request longer than the buffer gets its exception") {
-    bench<with_loopback> b;
+    bench<with_return_query_data> b;
     for (const std::size_t words : {13u, 60u, 123u}) {
         byte_list request{7, 0x10, 0, 0x10, 0, row_model::low_byte(words), row_model::low_byte(2 * words)};
         request.resize(7 + 2 * words, 1);

@@ -112,12 +112,12 @@ TEST_CASE("listen: a damaged byte costs no frame but its own, of all functions")
     }
 }
 
-TEST_CASE("listen: a longer loopback, and another encapsulated interface, end by their CRC") {
-    const byte_list loopback = framed({0x11, 8, 0, 0, 1, 2, 3, 4, 5, 6});
+TEST_CASE("listen: a longer Return Query Data, and another encapsulated interface, end by their CRC") {
+    const byte_list query_data = framed({0x11, 8, 0, 0, 1, 2, 3, 4, 5, 6});
     const byte_list canopen = framed({0x11, 0x2B, 0x0D, 1, 2, 3, 4, 5, 6, 7, 8, 9});
     const byte_list read = dialogue[0];
-    CHECK(cut(joined({loopback, loopback, canopen, read}), false).good() ==
-          frame_list{loopback, loopback, canopen, read});
+    CHECK(cut(joined({query_data, query_data, canopen, read}), false).good() ==
+          frame_list{query_data, query_data, canopen, read});
 }
 
 TEST_CASE("listen: counts that no frame has wait for nothing") {

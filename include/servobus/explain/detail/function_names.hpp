@@ -44,7 +44,7 @@ constexpr const char* name_of_function(std::uint8_t code) {
 /// A sub-function of 08: what it reads, or what it does.
 constexpr const char* name_of_diagnostic(modbus::diagnostic what) {
     switch (what) {
-    case modbus::diagnostic::loopback: return "loopback test";
+    case modbus::diagnostic::return_query_data: return "return query data";
     case modbus::diagnostic::restart_communications: return "restart communications";
     case modbus::diagnostic::diagnostic_register: return "diagnostic register";
     case modbus::diagnostic::change_delimiter: return "change ASCII delimiter";

@@ -135,7 +135,7 @@ class function_text {
     constexpr void put_diagnostic_request(const modbus::diagnostic_request& r) {
         if (is_read(r.what)) out_ << "read ";
         out_ << name_of_diagnostic(r.what);
-        if (r.what == modbus::diagnostic::loopback) put_data(r.data);
+        if (r.what == modbus::diagnostic::return_query_data) put_data(r.data);
         if (r.what == modbus::diagnostic::change_delimiter) {
             out_ << " to 0x";
             out_.hex(r.data[0] >> 8u, 2);
@@ -154,7 +154,7 @@ class function_text {
             out_.number(data[0]);
         } else {
             put_diagnostic_request({what, data});
-            if (what != modbus::diagnostic::loopback) out_ << ", done";
+            if (what != modbus::diagnostic::return_query_data) out_ << ", done";
         }
     }
     constexpr void put_data(words_view data) {
