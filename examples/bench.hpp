@@ -36,8 +36,8 @@ template <class Machine> class bench {
         }
         path_ = argv[1];
         host::watch_for_interruptions();
-        if (open() != servobus::errc::ok) {
-            const std::string why = host::open_failure(path_, port_.os_error());
+        if (const servobus::status opened = open(); !opened) {
+            const std::string why = host::open_failure(path_, opened.error(), port_.os_error());
             end((std::string{"cannot open "} + path_ + ": " + why).c_str());
         }
         if (simulator_ == 0) host::ask_for_consent(Machine::warning);

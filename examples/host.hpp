@@ -37,6 +37,11 @@ inline void ask_for_consent(const char* warning) {
     std::exit(2);
 }
 
+/// True for an error of a port that the system's own says better.
+inline bool is_of_system(servobus::errc why) {
+    return why == servobus::errc::bad_argument || why == servobus::errc::port_lost;
+}
+
 /// True after Ctrl-C, or after another request to end the program that `watch_for_interruptions` names.
 inline bool is_interrupted() { return interruption != 0; }
 
@@ -71,8 +76,9 @@ inline bool is_terminal() {
     return has_sequences;
 }
 
-/// Why a port could not be opened.
-inline std::string open_failure(const char*, unsigned long error) {
+/// Why a port is not open.
+inline std::string open_failure(const char*, servobus::errc why, unsigned long error) {
+    if (!is_of_system(why)) return servobus::text(why);
     return "error " + std::to_string(error) + " of Windows";
 }
 
@@ -97,9 +103,10 @@ inline void watch_for_interruptions() {
 /// True if the output is a terminal that moves its cursor by escape sequences.
 inline bool is_terminal() { return ::isatty(STDOUT_FILENO) == 1; }
 
-/// Why a port could not be opened, and who may open it.
-inline std::string open_failure(const char* path, int error) {
-    return std::strerror(error) + advice_on_access(path, error);
+/// Why a port is not open, and who may open it.
+inline std::string open_failure(const char* path, servobus::errc why, int error) {
+    if (is_of_system(why)) return std::strerror(error);
+    return servobus::text(why) + (why == servobus::errc::no_permission ? advice_on_access(path) : "");
 }
 
 /// Pulls or plugs in the simulated line; false if this system cannot tell the simulator to.

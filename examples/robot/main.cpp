@@ -16,9 +16,9 @@ int main(int argc, char** argv) {
         host::ask_for_consent("The robot drives a circle of 1 m: lift its wheels, or clear the place.");
     std::setvbuf(stdout, nullptr, _IOLBF, BUFSIZ); // also into a file
     host::serial port;
-    if (port.open(argv[1], host::settings_of(robot::z::device::facts)) != errc::ok)
+    if (const status opened = port.open(argv[1], host::settings_of(robot::z::device::facts)); !opened)
         return std::fprintf(stderr, "cannot open %s: %s\n", argv[1],
-                            host::open_failure(argv[1], port.os_error()).c_str()),
+                            host::open_failure(argv[1], opened.error(), port.os_error()).c_str()),
                1;
     line wire{port, modbus::timing_at(robot::z::device::facts.baud)};
     robot::robot bot{wire};

@@ -46,8 +46,8 @@ template <class Port> class robot_hardware {
             servobus::posix::settings_of(servobus::zlac8015d::device::facts);
         how.baud = wanted.baud;
         how.rs485 = wanted.rs485;
-        if (const servobus::errc e = port_.open(wanted.port.c_str(), how); e != servobus::errc::ok)
-            return "cannot open " + wanted.port + ": " + open_error(e);
+        if (const servobus::status opened = port_.open(wanted.port.c_str(), how); !opened)
+            return "cannot open " + wanted.port + ": " + open_error(opened.error());
         line_.emplace(port_, servobus::modbus::timing_at(wanted.baud));
         drive_.emplace(
             *line_, node(),
@@ -148,8 +148,9 @@ template <class Port> class robot_hardware {
         return responds_within(at, servobus::milliseconds(chosen_.response_ms));
     }
     std::string open_error(servobus::errc why) const {
-        const bool is_rs485 = why == servobus::errc::rs485_refused || why == servobus::errc::rs485_late;
-        return is_rs485 ? servobus::text(why) : system_error();
+        using enum servobus::errc;
+        const bool is_system = why == bad_argument || why == port_lost;
+        return is_system ? system_error() : servobus::text(why);
     }
     std::string system_error() const { return std::generic_category().message(port_.os_error()); }
 
@@ -172,10 +173,9 @@ template <class Port> class robot_hardware {
         const auto speed_of = [&](std::uint16_t word) {
             return speed{static_cast<std::int16_t>(word) * parts};
         };
-        const servobus::errc refusal = drive_->begin(
+        const servobus::command_status begun = drive_->begin(
             servobus::zlac8015d::velocity{speed_of(next.left_word()), speed_of(next.right_word())});
-        return refusal == servobus::errc::ok ? std::string{}
-                                             : std::string{"a velocity is refused: "} + text(refusal);
+        return begun ? std::string{} : std::string{"a velocity is refused: "} + text(begun.error());
     }
     void step() {
         for (int i = 0; i < most_steps && drive_->step() == duration{}; ++i) {}
@@ -256,8 +256,8 @@ template <class Port> class robot_hardware {
 
     // Runs a stop for as long as a ramp may take, since an error of the framework's loop is handled in that loop.
     template <class Stop> std::string run(const Stop& stop) {
-        if (const servobus::errc e = drive_->begin(stop); e != servobus::errc::ok)
-            return std::string{"a stop is refused: "} + text(e);
+        if (const servobus::command_status halted = drive_->begin(stop); !halted)
+            return std::string{"a stop is refused: "} + text(halted.error());
         const servobus::instant begun = line_->now();
         const duration limit = servobus::milliseconds(chosen_.stop_ms + 3000);
         while (!drive_->is_idle()) {

@@ -89,7 +89,7 @@ TEST_CASE("a port that is not there leaves the component unconfigured") {
     w.begin(info);
     CHECK(w.component.state() == primary::PRIMARY_STATE_UNCONFIGURED);
     REQUIRE(w.errors().size() == 1);
-    CHECK(w.errors()[0] == "base: cannot open /dev/nothing: No such file or directory");
+    CHECK(w.errors()[0] == "base: cannot open /dev/nothing: there is no such port");
 }
 
 TEST_CASE(

@@ -57,7 +57,7 @@ class virtual_port {
         error_ = std::strcmp(path, "/dev/robot") == 0 ? 0 : ENOENT;
         is_open_ = error_ == 0;
         wire_ = wire;
-        return is_open_ ? errc::ok : errc::port_lost;
+        return is_open_ ? errc::ok : errc::no_such_port;
     }
     void close() { is_open_ = false; }
     bool is_open() const { return is_open_; }

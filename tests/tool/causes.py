@@ -202,13 +202,18 @@ def port_that_may_not_be_opened(tool: Tool):
             complains(
                 tool,
                 "a port of another group",
-                f"cannot open drive: Permission denied; the group {group} may use it: "
+                f"cannot open drive: no permission for the port; the group {group} may use it: "
                 f"sudo usermod -aG {group} $USER, then log out and in again",
             )
+        # The owner may not, although its program has the group: why is not known.
+        grouped = ["setpriv", f"--regid={group}", "--keep-groups", *unprivileged[1:]] if is_root else []
+        if grouped and group != "root":
+            tool.run(words=read["words"], program=[*grouped, tool.path])
+            complains(tool, "a port of the own group", "cannot open drive: no permission for the port")
         terminal.chmod(0)
         tool.run(**read)
         complains(tool, "a port that its group may not use either",
-                  "cannot open drive: Permission denied; only its owner may use it, and the administrator")
+                  "cannot open drive: no permission for the port; only its owner may use it, and the administrator")
 
 
 @scene()

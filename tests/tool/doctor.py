@@ -412,7 +412,7 @@ def wrong_words(tool: Doctor):
         ("a gateway with a rate", "doctor tcp://127.0.0.1:1 zlac8015d --baud 9600", "the gateway sets rate"),
     ]:
         tool.fails(name, words, 2, text)
-    tool.fails("no such port", "doctor /dev/no-such-port zlac8015d", 1, "No such file")
+    tool.fails("no such port", "doctor /dev/no-such-port zlac8015d", 1, "there is no such port")
 
 
 play_tool(Doctor)

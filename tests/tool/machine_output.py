@@ -292,7 +292,7 @@ def refused_logs(tool: Recording):
     tool.fails("the port itself", "read drive zlac8015d bus_voltage --log drive", 1,
                "cannot write drive: it is no regular file")
     read = f"read {NOWHERE} zlac8015d bus_voltage --log"
-    tool.fails("no such port", f"{read} unmade", 1, "No such file or directory")
+    tool.fails("no such port", f"{read} unmade", 1, "there is no such port")
     tool.check("leaves no empty log", not tool.exists("unmade"))
     tool.write("kept", "")
     tool.run(f"{read} kept")

@@ -105,7 +105,7 @@ def refused_by_the_drive(tool: Tool):
                "bus_voltage: no response")
     tool.run("write drive zlac8015d:9 left_max_current=10 --timeout 20")
     tool.err_has("a write without an answer is unknown", "left_max_current: unknown, no response")
-    tool.fails("no such port", "read /dev/no-such-port zlac8015d bus_voltage", 1, "No such file or directory")
+    tool.fails("no such port", "read /dev/no-such-port zlac8015d bus_voltage", 1, "there is no such port")
     tool.fails("no serial device", "read /dev/null zlac8015d bus_voltage", 1, "no serial device")
 
 

@@ -67,7 +67,7 @@ bool are_wired(zlac8015d::drive<wire>& wheels, yako::closed_loop::drive<wire>& l
 
 constexpr auto shared = settings_on_one_line(node<zlac8015d::device>{1}, node<yako::closed_loop::device>{2},
                                              node<c630s::device>{3});
-errc open(posix::serial& port) { return port.open("/dev/ttyUSB0", posix::settings_of(shared)); }
+status open(posix::serial& port) { return port.open("/dev/ttyUSB0", posix::settings_of(shared)); }
 
 loop_part loops(zlac8015d::drive<wire>& wheels, yako::closed_loop::drive<wire>& lift) {
     setpoint_loop driven{wheels, take_over{zlac8015d::resolution{10}}, enable{},

@@ -11,7 +11,7 @@ using namespace servobus;
 
 template <class Port> errc read_over(const char* host, const char* service, int& speed) {
     Port port;
-    if (const errc why = port.open(host, service); why != errc::ok) return why;
+    if (const status opened = port.open(host, service); !opened) return opened.error();
     line on{port, modbus::timing_at(115200)};
     client drive{on, node<zlac8015d::device>{1}};
     const auto found = drive.template read<zlac8015d::left_actual_speed>();

@@ -106,9 +106,9 @@ void refusals(const char* name) {
               port.receive(room).error() == errc::port_lost && port.sent(),
           "a port that was never opened is lost");
     check(time_of([&] { port.wait(milliseconds(30)); }) >= milliseconds(30), "waiting for it sleeps");
-    check(port.open("COM77") == errc::port_lost && port.os_error() == ERROR_FILE_NOT_FOUND,
-          "a port that does not exist is lost");
-    check(port.open("") == errc::port_lost && port.os_error() == ERROR_INVALID_NAME,
+    check(port.open("COM77") == errc::no_such_port && port.os_error() == ERROR_FILE_NOT_FOUND,
+          "a port that does not exist is said");
+    check(port.open("") == errc::no_such_port && port.os_error() == ERROR_INVALID_NAME,
           "so is one without a name");
     check(port.open("NUL") == errc::bad_argument && !port.is_open(), "NUL is no serial device");
     check(port.open(name, {.baud = 0}) == errc::bad_argument && !port.is_open() &&
@@ -139,10 +139,11 @@ void taken_by_another() {
     const HANDLE other = ::CreateFileA(file, GENERIC_READ | GENERIC_WRITE, 0, nullptr, OPEN_EXISTING,
                                        FILE_FLAG_DELETE_ON_CLOSE, nullptr);
     windows::serial port;
-    check(port.open(file) == errc::busy && !port.is_open() && port.os_error() == ERROR_SHARING_VIOLATION,
-          "what another program has open is busy");
+    check(port.open(file) == errc::port_in_use && !port.is_open() &&
+              port.os_error() == ERROR_SHARING_VIOLATION,
+          "what another program has open is in use");
     (void)::CloseHandle(other);
-    check(port.open(file) == errc::port_lost, "what does not exist any more is lost");
+    check(port.open(file) == errc::no_such_port, "what does not exist any more is no port");
 }
 
 // Wine lets the other port have the same device, for the request. A `c` that arrived would end the peer.
@@ -323,7 +324,7 @@ void drive(const char* name) {
 
 int look(const char* name) {
     windows::serial port;
-    const errc opened = port.open(name, windows::settings_of(zlac8015d::device::facts));
+    const errc opened = port.open(name, windows::settings_of(zlac8015d::device::facts)).error();
     wire on{port, modbus::timing_at(zlac8015d::device::facts.baud)};
     client wheels{on, node<zlac8015d::device>{1}};
     check(opened == errc::ok && wheels.read<zlac8015d::bus_voltage>(), "it responds");

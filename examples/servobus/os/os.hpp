@@ -26,18 +26,18 @@ namespace native = servobus::posix;
 
 namespace os {
 
-/// Why a port is busy.
+/// Why a port cannot be opened that another program has.
 #ifdef _WIN32
-inline constexpr const char* busy_text =
+inline constexpr const char* in_use_text =
     "another program uses it, or access is denied"; // the same error there
 #else
-inline constexpr const char* busy_text = "another program uses it";
+inline constexpr const char* in_use_text = "another program uses it";
 #endif
 
 /// An error number of a port, in words.
 std::string error_text(int error);
-/// Who may open a device that this user may not, to append to its error; empty for any other error.
-std::string advice_on_access(const char* path, int error);
+/// Who may open a device that this user may not, to append to its error; empty if that is not known.
+std::string advice_on_access(const char* path);
 /// Sets how the system switches the port's RS-485 driver: `on` as it is configured, `rts-on-send` or `rts-after-send`,
 /// each with `,BEFORE` and `,AFTER`, delays in whole ms. Empty, or what is wrong with `how`.
 std::string set_rs485(native::serial_settings& settings, std::string_view how);

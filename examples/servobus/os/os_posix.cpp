@@ -33,7 +33,7 @@ bool interrupts::came() { return interruption != 0; }
 namespace os {
 
 std::string error_text(int error) { return std::strerror(error); }
-std::string advice_on_access(const char* path, int error) { return host::advice_on_access(path, error); }
+std::string advice_on_access(const char* path) { return host::advice_on_access(path); }
 std::string resolve_error_text(int error) { return ::gai_strerror(error); }
 
 std::string set_rs485(native::serial_settings& settings, std::string_view how) {

@@ -33,8 +33,8 @@ std::string error_text(int error) {
         text.pop_back();
     return text.empty() ? "error " + std::to_string(error) + " of Windows" : text;
 }
-// Access is denied where another program has the port; `busy_text` says so.
-std::string advice_on_access(const char*, int) { return {}; }
+// Access is denied where another program has the port; `in_use_text` says so.
+std::string advice_on_access(const char*) { return {}; }
 std::string resolve_error_text(int error) { return error_text(error); }
 
 std::string set_rs485(native::serial_settings& settings, std::string_view how) {

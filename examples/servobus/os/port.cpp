@@ -58,18 +58,20 @@ int complain_of(const char* name, const std::string& why) {
 int open_serial(native::serial& port, const char* name, const serial_settings& settings) {
     const errc why = port.open(name, settings).error();
     if (why == errc::ok) return done;
-    if (why == errc::busy) {
+    if (why == errc::port_in_use) {
         std::string users;
         for (const os::port_user& u : os::users_of(name))
             users += (users.empty() ? ": " : ", ") + os::text_of(u);
-        return complain_of(name, os::busy_text + users);
+        return complain_of(name, os::in_use_text + users);
     }
+    if (why == errc::no_permission) return complain_of(name, text(why) + os::advice_on_access(name));
+    if (why == errc::no_such_port) return complain_of(name, text(why));
     const int error = static_cast<int>(port.os_error());
     if (why == errc::bad_argument)
         return complain_of(name, "no serial device, or not with these settings: " + os::error_text(error));
     if (why == errc::rs485_refused || why == errc::rs485_late)
         return complain_of(name, text(why) + (error == 0 ? std::string{} : ": " + os::error_text(error)));
-    return complain_of(name, os::error_text(error) + os::advice_on_access(name, error));
+    return complain_of(name, os::error_text(error));
 }
 
 int explain_failure(const native::tcp& port, const char* name, errc why) {

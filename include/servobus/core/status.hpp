@@ -37,7 +37,7 @@ enum class errc : std::uint8_t {
     send_failed,    ///< the port accepted no byte of the request
     partial_send,   ///< the port failed after it had accepted part of the request
     receive_failed, ///< the port failed while receiving
-    port_lost,      ///< the port no longer exists (unplugged, closed)
+    port_lost,      ///< the port no longer exists (unplugged, closed), or the network has no way to it
     clock_stopped,  ///< the port's clock does not advance
     // the local echo of an adapter that receives what it sends
     no_echo,   ///< the echo did not arrive within the time that sending takes
@@ -67,9 +67,12 @@ enum class errc : std::uint8_t {
     preempted,        ///< a stop pre-empted the routine
     command_timeout,  ///< the program commanded nothing for its command timeout: the drive was stopped
     already_assigned, ///< another terminal already has this function; nothing was written
-    // opening a serial port whose system switches the RS-485 driver
+    // opening a port
     rs485_refused, ///< the system or the port's driver cannot switch an RS-485 driver as asked
     rs485_late,    ///< the RS-485 driver would be switched off later than t3.5 after the last stop bit
+    port_in_use,   ///< another program has the port; on Windows perhaps this user may not open it
+    no_permission, ///< this user may not open the port
+    no_such_port,  ///< no port has this name: the name is wrong, or the adapter is unplugged
 };
 
 /// A short English description of the error.
@@ -94,6 +97,9 @@ constexpr const char* text(errc e) {
     case errc::clock_stopped: return "the clock does not advance";
     case errc::rs485_refused: return "the port cannot switch an RS-485 driver so";
     case errc::rs485_late: return "the RS-485 driver would be switched off later than t3.5";
+    case errc::port_in_use: return "another program has the port";
+    case errc::no_permission: return "no permission for the port";
+    case errc::no_such_port: return "there is no such port";
     case errc::no_echo: return "the request did not come back as echo";
     case errc::collision: return "collision: the echo differs from the request";
     case errc::own_echo: return "what came may be the request's own echo";

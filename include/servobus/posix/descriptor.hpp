@@ -18,6 +18,7 @@
 #include <unistd.h>
 
 #include <servobus/core/bytes.hpp>
+#include <servobus/core/status.hpp>
 #include <servobus/posix/clock.hpp>
 
 namespace servobus::posix {
@@ -63,6 +64,14 @@ inline bool would_block(int error) { return error == EAGAIN || error == EWOULDBL
 inline bool is_gone(int error) {
     return error == EIO || error == ENXIO || error == ENODEV || error == EBADF || error == EPIPE ||
            error == ESHUTDOWN;
+}
+
+/// Translates `errno` of an `open` that has failed. `port_lost` is for all other reasons, such as too many files.
+inline errc opening_error(int error) {
+    if (error == EBUSY) return errc::port_in_use; // TIOCEXCL
+    if (error == EACCES || error == EPERM) return errc::no_permission;
+    if (error == ENOENT || error == ENOTDIR || error == ENODEV || error == ENXIO) return errc::no_such_port;
+    return errc::port_lost;
 }
 
 inline moved read_some(int fd, byte_buffer to) {

@@ -111,17 +111,25 @@ class serial {
     ~serial() { close(); }
 
     /// Opens a device, after closing the one that was open. Bytes that were received before are discarded.
-    /// Errors, with the system's reason in `os_error()`: `port_lost` (no such device, no permission), `busy`
-    /// (another program has it), `bad_argument` (not a serial device, or a baud rate or format that it does not
-    /// support), `rs485_refused` (the system or the device's driver cannot switch an RS-485 driver so), `rs485_late`
-    /// (its delay after the send exceeds t3.5 of `baud`). After the last two the kernel's RS-485 mode is as before.
+    /// Errors, with the system's reason in `os_error()`:
+    /// - `no_such_port`: no device has this name, or none is behind it
+    /// - `no_permission`: this user may not open it; usually its group may
+    /// - `port_in_use`: another program has it
+    /// - `bad_argument`: not a serial device, or a baud rate or format that it does not support
+    /// - `rs485_refused`: the system or the device's driver cannot switch an RS-485 driver so
+    /// - `rs485_late`: the driver's delay after the send exceeds t3.5 of `baud`
+    /// - `port_lost`: another reason of the system, or the device was unplugged meanwhile
+    ///
+    /// After `rs485_refused` and `rs485_late` the kernel's RS-485 mode is as before.
     status open(const char* path, const serial_settings& wanted = {}) {
         close();
         const int access = wanted.receive_only ? O_RDONLY : O_RDWR;
         descriptor fd{::open(path, access | O_NOCTTY | O_NONBLOCK | O_CLOEXEC)};
-        if (!fd.is_open()) return fail(errno, errno == EBUSY ? errc::busy : errc::port_lost);
-        if (::isatty(fd.number()) == 0) return fail(errno, errc::bad_argument);
-        if (::flock(fd.number(), LOCK_EX | LOCK_NB) != 0) return fail(errno, errc::busy);
+        if (!fd.is_open()) return fail(errno, detail::opening_error(errno));
+        if (::isatty(fd.number()) == 0)
+            return fail(errno, detail::is_gone(errno) ? errc::no_such_port : errc::bad_argument);
+        if (::flock(fd.number(), LOCK_EX | LOCK_NB) != 0)
+            return fail(errno, detail::would_block(errno) ? errc::port_in_use : detail::opening_error(errno));
         is_pty_ = detail::is_pseudo_terminal(fd.number());
         // Not on a pseudo-terminal: there the exclusive mode stays after a program was killed.
         if (!is_pty_) (void)::ioctl(fd.number(), TIOCEXCL);

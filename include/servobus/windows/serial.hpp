@@ -80,6 +80,21 @@ class device_name {
     char text_[260]{};
 };
 
+/// Translates the error of a `CreateFile` that has failed. `port_lost` is for all other reasons.
+constexpr errc opening_error(DWORD error) {
+    switch (error) {
+    case ERROR_ACCESS_DENIED: // so Windows says it of a COM port that is open
+    case ERROR_SHARING_VIOLATION: return errc::port_in_use;
+    case ERROR_FILE_NOT_FOUND:
+    case ERROR_PATH_NOT_FOUND:
+    case ERROR_INVALID_NAME:
+    case ERROR_BAD_PATHNAME:
+    case ERROR_DEV_NOT_EXIST:
+    case ERROR_DEVICE_NOT_CONNECTED: return errc::no_such_port;
+    default: return errc::port_lost;
+    }
+}
+
 } // namespace detail
 
 /// A COM port, open for this program alone. It does not move, since the system writes to its buffers. A
@@ -93,21 +108,22 @@ class serial {
 
     /// Opens a port by its name, `COM3` or `COM10`, also with the prefix of device names in front, after closing
     /// the one that was open. Bytes that were received before are discarded. Errors, with the system's reason in
-    /// `os_error()`: `port_lost` (no such port), `busy` (another program has it; Windows reports a lack of
-    /// permission in the same way), `bad_argument` (not a serial device, or a baud rate, format or RS-485 mode
-    /// that it does not support).
+    /// `os_error()`:
+    /// - `no_such_port`: no port has this name
+    /// - `port_in_use`: another program has it. Windows reports a lack of permission in the same way
+    /// - `bad_argument`: not a serial device, or a baud rate, format or RS-485 mode that it does not support
+    /// - `port_lost`: another reason of the system
     status open(const char* name, const serial_settings& wanted = {}) {
         close();
         if (!reading_.prepare() || !writing_.prepare()) return fail(::GetLastError(), errc::port_lost);
         const detail::device_name device{name};
-        if (*device.text() == '\0') return fail(ERROR_INVALID_NAME, errc::port_lost);
+        if (*device.text() == '\0') return fail(ERROR_INVALID_NAME, errc::no_such_port);
         const DWORD access = wanted.receive_only ? GENERIC_READ : GENERIC_READ | GENERIC_WRITE;
         const HANDLE opened =
             ::CreateFileA(device.text(), access, 0, nullptr, OPEN_EXISTING, FILE_FLAG_OVERLAPPED, nullptr);
         if (opened == nullptr || opened == INVALID_HANDLE_VALUE) {
             const DWORD error = ::GetLastError();
-            const bool is_taken = error == ERROR_ACCESS_DENIED || error == ERROR_SHARING_VIOLATION;
-            return fail(error, is_taken ? errc::busy : errc::port_lost);
+            return fail(error, detail::opening_error(error));
         }
         port_ = opened;
         if (const DWORD error = configure(wanted); error != ERROR_SUCCESS) {

@@ -231,7 +231,7 @@ TEST_CASE("a pseudo-terminal without a host receives nothing and reports no erro
 TEST_CASE("a port that cannot be opened reports the reason") {
     serial port;
     CHECK_FALSE(port.is_open());
-    CHECK(port.open("/dev/no-such-port") == errc::port_lost);
+    CHECK(port.open("/dev/no-such-port") == errc::no_such_port);
     CHECK(port.os_error() == ENOENT);
     CHECK(port.open("/dev/null") == errc::bad_argument);
     CHECK(port.os_error() == ENOTTY);
@@ -266,7 +266,7 @@ TEST_CASE("the drive's side of a pseudo-terminal knows the rate that the program
 TEST_CASE("a port is open for one program at a time") {
     pair p;
     serial second;
-    CHECK(second.open(p.drive.path()) == errc::busy);
+    CHECK(second.open(p.drive.path()) == errc::port_in_use);
     p.host.close();
     CHECK(second.open(p.drive.path()) == errc::ok);
 }

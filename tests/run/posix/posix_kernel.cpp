@@ -178,7 +178,7 @@ int fstat(int fd, struct stat* to) {
     return result;
 }
 int grantpt(int fd) { return fails("grantpt") ? -1 : ::grantpt(fd); }
-int isatty(int fd) { return ::isatty(fd); }
+int isatty(int fd) { return fails("isatty") ? 0 : ::isatty(fd); }
 int posix_openpt(int flags) { return fails("posix_openpt") ? -1 : ::posix_openpt(flags); }
 int ptsname_r(int fd, char* to, std::size_t size) {
     return fails("ptsname_r") ? kernel.error : ::ptsname_r(fd, to, size);
@@ -539,8 +539,31 @@ TEST_CASE("a UART is open for one program only, and free again when it is closed
     r.port.close();
     CHECK_FALSE(kernel.line.is_exclusive);
     const failing f{"open", EBUSY};
-    CHECK(r.open_port() == errc::busy);
+    CHECK(r.open_port() == errc::port_in_use);
     CHECK(r.port.os_error() == EBUSY);
+}
+
+TEST_CASE("G47: why a device cannot be opened") {
+    struct reason {
+        std::string_view call;
+        int error;
+        errc why;
+    };
+    for (const reason& x :
+         {reason{"open", ENOENT, errc::no_such_port}, reason{"open", ENOTDIR, errc::no_such_port},
+          reason{"open", ENODEV, errc::no_such_port}, reason{"open", ENXIO, errc::no_such_port},
+          reason{"open", EACCES, errc::no_permission}, reason{"open", EPERM, errc::no_permission},
+          reason{"open", EBUSY, errc::port_in_use}, reason{"flock", EWOULDBLOCK, errc::port_in_use},
+          reason{"flock", ENOLCK, errc::port_lost}, reason{"open", EMFILE, errc::port_lost},
+          reason{"isatty", EIO, errc::no_such_port}, reason{"isatty", ENOTTY, errc::bad_argument}}) {
+        CAPTURE(std::string{x.call});
+        CAPTURE(x.error);
+        rig r;
+        const failing f{x.call, x.error};
+        CHECK(r.open_port() == x.why);
+        CHECK(r.port.os_error() == x.error);
+        CHECK_FALSE(r.port.is_open());
+    }
 }
 
 TEST_CASE("a pseudo-terminal is not exclusive, and a port of unknown kind counts as a UART") {
@@ -779,7 +802,7 @@ TEST_CASE("a call that fails while a port is opened is reported with its reason,
         errc why;
         unsigned spared = 0;
     };
-    for (const call& c : {call{"open", errc::port_lost}, call{"flock", errc::busy},
+    for (const call& c : {call{"open", errc::port_lost}, call{"flock", errc::port_lost},
                           call{"tcgetattr", errc::bad_argument}, call{"tcgetattr", errc::bad_argument, 1},
                           call{"tcsetattr", errc::bad_argument}, call{"TCGETS2", errc::bad_argument},
                           call{"TCGETS2", errc::bad_argument, 1}, call{"TCSETS2", errc::bad_argument}}) {
