@@ -10,6 +10,7 @@
 #include <cstring>
 #include <string>
 
+#include <servobus/line/reconnecting.hpp>
 #include <servobus/servobus.hpp>
 
 #include "host.hpp"
@@ -28,17 +29,12 @@ template <class Machine> class bench {
     using feedback = typename Machine::feedback;
 
   public:
-    bench(int argc, char** argv) {
-        if (argc == 4 && std::strcmp(argv[2], "--simulator") == 0) simulator_ = std::atoi(argv[3]);
-        if (argc < 2 || (argc != 2 && simulator_ <= 0)) {
-            std::fprintf(stderr, "usage: %s PORT [--simulator PID]\n", Machine::name);
-            std::exit(2);
-        }
-        path_ = argv[1];
+    bench(int argc, char** argv)
+        : simulator_{simulator_of(argc, argv)}, port_{argv[1], host::settings_of(Machine::device::facts)} {
         host::watch_for_interruptions();
-        if (const servobus::status opened = open(); !opened) {
-            const std::string why = host::open_failure(path_, opened.error(), port_.os_error());
-            end((std::string{"cannot open "} + path_ + ": " + why).c_str());
+        if (!port_.is_open()) {
+            const std::string why = host::open_failure(argv[1], port_.why().error(), port_.port().os_error());
+            end((std::string{"cannot open "} + argv[1] + ": " + why).c_str());
         }
         if (simulator_ == 0) host::ask_for_consent(Machine::warning);
         was_opened_ = true;
@@ -107,7 +103,7 @@ template <class Machine> class bench {
         (void)host::toggle_plug(simulator_);
     }
 
-    /// Initialises the drive, again and again until it answers; opens the port anew if it went away.
+    /// Initialises the drive, again and again until it answers; the port opens itself if it went away.
     void take_over(servobus::duration within) {
         const servobus::instant start = port_.now();
         for (;;) {
@@ -115,7 +111,6 @@ template <class Machine> class bench {
             const servobus::command_status r = drive_.run(servobus::init{});
             if (r) break;
             if (servobus::since(start, port_.now()) > within) end_at(r.error());
-            if (r.error() == servobus::errc::port_lost) (void)open();
             pause();
         }
         const auto f = look();
@@ -149,9 +144,16 @@ template <class Machine> class bench {
     }
 
   private:
-    using line = servobus::line<host::serial>;
+    using port = servobus::reconnecting<host::serial>;
+    using line = servobus::line<port>;
 
-    servobus::status open() { return port_.open(path_, host::settings_of(Machine::device::facts)); }
+    // 0 for a real machine.
+    static int simulator_of(int argc, char** argv) {
+        const int pid = argc == 4 && std::strcmp(argv[2], "--simulator") == 0 ? std::atoi(argv[3]) : 0;
+        if (argc == 2 || pid > 0) return pid;
+        std::fprintf(stderr, "usage: %s PORT [--simulator PID]\n", Machine::name);
+        std::exit(2);
+    }
 
     void check_signal() {
         if (host::is_interrupted()) end("interrupted");
@@ -229,10 +231,9 @@ template <class Machine> class bench {
         looks_ = 0;
     }
 
-    const char* path_ = nullptr;
     const char* step_ = "opening the port";
-    int simulator_ = 0;
-    host::serial port_;
+    int simulator_;
+    port port_;
     line wire_{port_, servobus::modbus::timing_at(Machine::device::facts.baud)};
     typename Machine::template drive<line> drive_{wire_, 1};
     feedback shown_{};

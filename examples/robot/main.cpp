@@ -5,6 +5,8 @@
 // is. The consent that it asks for is the operator's.
 #include <cstdio>
 
+#include <servobus/line/reconnecting.hpp>
+
 #include "../host.hpp"
 #include "robot.hpp"
 
@@ -15,10 +17,10 @@ int main(int argc, char** argv) {
     if (argc == 2)
         host::ask_for_consent("The robot drives a circle of 1 m: lift its wheels, or clear the place.");
     std::setvbuf(stdout, nullptr, _IOLBF, BUFSIZ); // also into a file
-    host::serial port;
-    if (const status opened = port.open(argv[1], host::settings_of(robot::z::device::facts)); !opened)
+    reconnecting<host::serial> port{argv[1], host::settings_of(robot::z::device::facts)};
+    if (!port.is_open())
         return std::fprintf(stderr, "cannot open %s: %s\n", argv[1],
-                            host::open_failure(argv[1], opened.error(), port.os_error()).c_str()),
+                            host::open_failure(argv[1], port.why().error(), port.port().os_error()).c_str()),
                1;
     line wire{port, modbus::timing_at(robot::z::device::facts.baud)};
     robot::robot bot{wire};
@@ -28,6 +30,8 @@ int main(int argc, char** argv) {
     for (instant shown = wire.now(); !host::is_interrupted();) {
         bot.drive({150_mm_per_s, 300_mrad_per_s});
         wire.sleep(bot.step());
+        // After a loss the robot stays where it is: this program asks for a consent at its start alone.
+        if (port.take_change()) std::printf("port: %s\n", text(port.why().error()));
         if (const loop_report ended = bot.take_report()) {
             std::printf("%s: %s; drive %s, cause %s, %s\n", text(ended.what), text(ended.how.error()),
                         text(bot.state()), text(bot.cause()), text(bot.faults().first()));

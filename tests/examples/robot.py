@@ -33,4 +33,25 @@ def interruption(job: Job, number: signal.Signals):
         job.is_value(f"S8: {number.name} leaves the drive stopped and released", DEVICE, "status_word", RELEASED)
 
 
+@scene()
+def port_returns(job: Job):
+    with job.simulated(DEVICE) as drive:
+        program = job.begin(drive)
+        new = until(lambda: "Switch the drive off and on" in program.out)
+        job.check("a new drive is to be switched off and on", new, program.out)
+        drive.send(signal.SIGUSR2)
+        moved = until(lambda: re.search(r"^x [1-9]\d+ mm", program.out, re.M))
+        job.check("it moves", moved, program.out)
+        drive.stop(signal.SIGKILL)
+        gone = until(lambda: "port: the port is gone" in program.out)
+        job.check("G47: it says that its port is gone, and goes on", gone and program.process.poll() is None, program.out)
+    with job.simulated(DEVICE):
+        back = until(lambda: program.out.count("port: ok") == 2)
+        job.check("G47: it opens the port again", back, program.out)
+        taken = until(lambda: program.out.count("Switch the drive off and on") == 2)
+        job.check("and takes the drive over, which is another new one", taken, program.out)
+        job.ends(program, signal.SIGINT)
+        job.is_value("G44: without another consent nothing was enabled", DEVICE, "status_word", RELEASED)
+
+
 play_job()

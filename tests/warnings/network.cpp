@@ -5,6 +5,7 @@
 #include <servobus/client/client.hpp>
 #include <servobus/device/zlac8015d/registers.hpp>
 #include <servobus/line/line.hpp>
+#include <servobus/line/reconnecting.hpp>
 #include <servobus/posix/mbap.hpp>
 
 using namespace servobus;
@@ -19,5 +20,6 @@ template <class Port> errc read_over(const char* host, const char* service, int&
     speed = found->count();
     return errc::ok;
 }
+bool is_back(reconnecting<posix::mbap>& port) { return port.take_change() && port.is_open(); }
 errc read_over_tcp(const char* host, int& speed) { return read_over<posix::tcp>(host, "4001", speed); }
 errc read_over_mbap(const char* host, int& speed) { return read_over<posix::mbap>(host, "502", speed); }

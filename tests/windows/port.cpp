@@ -7,6 +7,7 @@
 //   port look PORT     reads its bus voltage once
 // Prints a line a check. A pseudo-terminal under wine has no wire and no adapter that could be pulled: the
 // removal of a real device, RTS and the echo of a real adapter are not shown here.
+#include <servobus/line/reconnecting.hpp>
 #include <servobus/windows/serial.hpp>
 
 #include <servobus/device/zlac8015d.hpp>
@@ -18,6 +19,8 @@
 
 using namespace servobus;
 using namespace servobus::units;
+
+static_assert(waiting_port<reconnecting<windows::serial>>);
 
 namespace {
 
@@ -108,6 +111,10 @@ void refusals(const char* name) {
     check(time_of([&] { port.wait(milliseconds(30)); }) >= milliseconds(30), "waiting for it sleeps");
     check(port.open("COM77") == errc::no_such_port && port.os_error() == ERROR_FILE_NOT_FOUND,
           "a port that does not exist is said");
+    reconnecting<windows::serial> none{"COM77", windows::serial_settings{}};
+    check(!none.is_open() && none.why() == errc::no_such_port &&
+              none.receive(room).error() == errc::port_lost,
+          "one that opens itself says why it is not open");
     check(port.open("") == errc::no_such_port && port.os_error() == ERROR_INVALID_NAME,
           "so is one without a name");
     check(port.open("NUL") == errc::bad_argument && !port.is_open(), "NUL is no serial device");

@@ -28,6 +28,18 @@
 
 namespace servobus {
 
+namespace detail {
+
+struct no_endpoint {};
+template <class Stream> struct endpoint_of { using type = no_endpoint; };
+template <class Stream>
+requires requires { typename Stream::endpoint; }
+struct endpoint_of<Stream> {
+    using type = typename Stream::endpoint;
+};
+
+} // namespace detail
+
 /// A port over `Stream`. After what is no MBAP frame the stream has no known frame boundary any more: `receive` and
 /// every later call return `port_lost`, until it is opened again; `is_foreign` tells this from a lost stream. A
 /// stream that has `close` is closed then.
@@ -35,6 +47,9 @@ template <port Stream> class mbap_port {
   public:
     /// Exceptions 0Ah and 0Bh are the gateway's words: the node has sent no response.
     static constexpr bool has_gateway = true;
+    static constexpr bool is_network = true;
+    /// The stream's own, if it has one: `reconnecting<mbap_port<Stream>>` opens it again.
+    using endpoint = typename detail::endpoint_of<Stream>::type;
 
     mbap_port() = default;
     explicit mbap_port(Stream stream) : stream_{std::move(stream)} {}
@@ -47,6 +62,17 @@ template <port Stream> class mbap_port {
         is_broken_ = is_foreign_ = false;
         return stream_.open(std::forward<Arguments>(with)...);
     }
+    /// Ends the port until it is opened again. What the stream has taken is still sent.
+    void close() { lose(); }
+    /// The same, but what has not left this host is not sent any more.
+    void abort() requires requires(Stream& s) { s.abort(); }
+    {
+        stream_.abort();
+        lose();
+    }
+    /// True while its stream is open and has carried MBAP frames alone.
+    bool is_open() const requires requires(const Stream& s) { s.is_open(); }
+    { return !is_broken_ && stream_.is_open(); }
     /// True if the port was lost since what came is no MBAP frame: the peer may carry RTU frames as they are.
     bool is_foreign() const { return is_foreign_; }
     /// The unit of frames to `modbus::peer_address` (client/peer_node.hpp): 255, which the guide recommends, or 0,

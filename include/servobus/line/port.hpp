@@ -36,6 +36,8 @@
 //   that is gone: it reports that in each call from then on, and never blocks.
 // - The line calls no member from an interrupt, and none is re-entered.
 //
+// - `endpoint`, `open(const endpoint&)`, `close()` and `is_open()`, if they are there, let `reconnecting.hpp` open the
+//   port again after a loss.
 // - `static constexpr bool has_gateway = true` is for a port that speaks Modbus TCP (mbap_port.hpp): a gateway may
 //   respond in a node's place. A port that passes on to such a one repeats the constant.
 //

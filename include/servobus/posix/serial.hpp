@@ -3,7 +3,8 @@
 //
 // Hosted, POSIX: a serial device (an on-board UART, a USB adapter, a pseudo-terminal) as a port of the
 // library. It sets any baud rate that the hardware has, lets Linux switch the RS-485 direction, and
-// loses no byte to a signal or a short write. After the device was unplugged, every call returns `port_lost`.
+// loses no byte to a signal or a short write. After the device was unplugged, every call returns `port_lost`;
+// `reconnecting<serial>` (line/reconnecting.hpp) opens it again.
 //
 //     servobus::posix::serial port;
 //     if (port.open("/dev/ttyUSB0") != servobus::errc::ok) return port.os_error();
@@ -105,6 +106,12 @@ inline speed_t standard_speed(std::uint32_t baud) {
 /// transfer on it returns `errc::port_lost`.
 class serial {
   public:
+    /// A device and its settings: what `reconnecting` opens again. The path is kept by its pointer.
+    struct endpoint {
+        const char* path = "";
+        serial_settings settings{};
+    };
+
     serial() = default;
     serial(serial&&) noexcept = default;
     serial& operator=(serial&&) noexcept = default;
@@ -160,6 +167,7 @@ class serial {
         fd_ = std::move(fd);
         return errc::ok;
     }
+    status open(const endpoint& at) { return open(at.path, at.settings); }
 
     void close() {
         if (fd_.is_open() && !is_pty_) (void)::ioctl(fd_.number(), TIOCNXCL);

@@ -40,6 +40,14 @@ using servobus::tcp_settings;
 /// A connection. Move-only. A default-constructed one is closed, and every transfer on it returns `port_lost`.
 class tcp {
   public:
+    static constexpr bool is_network = true;
+    /// A host, its port and the settings: what `reconnecting` opens again. The texts are kept by their pointers.
+    struct endpoint {
+        const char* host = "";
+        const char* service = "";
+        tcp_settings settings{};
+    };
+
     /// Connects, after closing the connection that was open. `service` is a port number or a name of one. Waits for the
     /// name's resolution as long as the system does, and for the connection `connect_within`. Errors: `bad_argument`
     /// (no such host or service: `resolve_error()`), `timeout` (no answer), `port_lost` (refused, unreachable:
@@ -61,6 +69,7 @@ class tcp {
         error_ = 0;
         return errc::ok;
     }
+    status open(const endpoint& at) { return open(at.host, at.service, at.settings); }
     /// What the system has taken is still sent.
     void close() { fd_.close(); }
     /// Closes the connection; what has not left this host is not sent any more.

@@ -2,7 +2,8 @@
 // SPDX-License-Identifier: BSL-1.0
 //
 // Hosted, Windows 7 or newer: a COM port (an on-board UART, a USB adapter) as a port of the library. After
-// the device was unplugged, every call returns `port_lost`.
+// the device was unplugged, every call returns `port_lost`; `reconnecting<serial>` (line/reconnecting.hpp) opens it
+// again.
 //
 //     servobus::windows::serial port;
 //     if (port.open("COM3") != servobus::errc::ok) return static_cast<int>(port.os_error());
@@ -101,6 +102,12 @@ constexpr errc opening_error(DWORD error) {
 /// default-constructed one is closed, and every transfer on it returns `errc::port_lost`.
 class serial {
   public:
+    /// A COM port and its settings: what `reconnecting` opens again. The name is kept by its pointer.
+    struct endpoint {
+        const char* name = "";
+        serial_settings settings{};
+    };
+
     serial() = default;
     serial(const serial&) = delete;
     serial& operator=(const serial&) = delete;
@@ -138,6 +145,7 @@ class serial {
         error_ = ERROR_SUCCESS;
         return errc::ok;
     }
+    status open(const endpoint& at) { return open(at.name, at.settings); }
 
     /// Discards what has been neither sent nor received.
     void close() {

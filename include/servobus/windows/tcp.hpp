@@ -121,6 +121,14 @@ class stream_socket {
 /// A connection. It does not move. A default-constructed one is closed, and every transfer on it returns `port_lost`.
 class tcp {
   public:
+    static constexpr bool is_network = true;
+    /// A host, its port and the settings: what `reconnecting` opens again. The texts are kept by their pointers.
+    struct endpoint {
+        const char* host = "";
+        const char* service = "";
+        tcp_settings settings{};
+    };
+
     tcp() = default;
     tcp(const tcp&) = delete;
     tcp& operator=(const tcp&) = delete;
@@ -151,6 +159,7 @@ class tcp {
         error_ = 0;
         return errc::ok;
     }
+    status open(const endpoint& at) { return open(at.host, at.service, at.settings); }
     /// What the system has taken is still sent.
     void close() { socket_.close(); }
     /// Closes the connection; what has not left this host is not sent any more.
