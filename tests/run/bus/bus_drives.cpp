@@ -266,10 +266,13 @@ TEST_CASE("after a blocking call of a bus no request of its drives is left witho
     }
 }
 
+namespace {
+constexpr poll_plan every_50_ms{modbus::timing_at(115200),
+                                cyclic<zlac8015d::bus_voltage>(wheels_node, milliseconds(50))};
+} // namespace
+
 TEST_CASE("a bus reads when a read is due, if it is stepped when it wants to be, and delivers what the node "
           "holds") {
-    constexpr static poll_plan every_50_ms{modbus::timing_at(115200),
-                                           cyclic<zlac8015d::bus_voltage>(wheels_node, milliseconds(50))};
     wheels_and_lift m;
     line_type on{m.wire, modbus::timing_at(115200)};
     auto all = make_bus<every_50_ms>(on);

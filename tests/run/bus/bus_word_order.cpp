@@ -197,11 +197,14 @@ TEST_CASE("G22: a bus delivers no value in the word order before a write of its 
     CHECK(watch(500) > 1000);
 }
 
+namespace {
+constexpr auto other_node = responds_within(node<yako::closed_loop::device>{8}, milliseconds(30));
+constexpr poll_plan two{modbus::timing_at(115200),
+                        cyclic<yako::actual_position>(table_node, milliseconds(100)),
+                        cyclic<yako::actual_position>(other_node, milliseconds(100))};
+} // namespace
+
 TEST_CASE("G22: the word order of one node is not that of another") {
-    static constexpr auto other_node = responds_within(node<yako::closed_loop::device>{8}, milliseconds(30));
-    static constexpr poll_plan two{modbus::timing_at(115200),
-                                   cyclic<yako::actual_position>(table_node, milliseconds(100)),
-                                   cyclic<yako::actual_position>(other_node, milliseconds(100))};
     tests::scripted_port port;
     port.device = [](tests::scripted_port& p, const tests::sent_frame& f) {
         p.say(500, tests::read_response(f.data[0], {0, 5}));
