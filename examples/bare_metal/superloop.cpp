@@ -75,10 +75,9 @@ class program {
     }
 
     void begin() {
-        const errc refusal = begin_command();
-        if (refusal != errc::ok) fail(refusal);
+        if (const command_status begun = begin_command(); !begun) fail(begun.error());
     }
-    errc begin_command() {
+    command_status begin_command() {
         switch (at_) {
         case stage::take_over: return wheels_.begin(init{});
         case stage::watchdog: return wheels_.begin(job::watchdog);
@@ -91,7 +90,7 @@ class program {
         case stage::rest: look_.begin(duration{job::timing.t3_5}); break;
         case stage::over: break;
         }
-        return errc::ok;
+        return {};
     }
 
     // The current command has ended.

@@ -35,15 +35,15 @@ void HAL_UART_ErrorCallback(UART_HandleTypeDef*) { rs485.on_error(); }
 void run_drive() {
     stepped_read<decltype(wheels), zlac8015d::bus_voltage> voltage{wheels};
     stepped_write<decltype(wheels), zlac8015d::left_acceleration_time> ramp{wheels};
-    if (!rs485.start() || ramp.begin(800 * millisecond) != errc::ok) return;
-    if (voltage.begin() != errc::ok) return;
+    if (!rs485.start() || !ramp.begin(800 * millisecond)) return;
+    if (!voltage.begin()) return;
     for (;;) {
         ramp.step();
         voltage.step();
         if (voltage.done()) {
             const auto seen = voltage.value();
             if (!seen || *seen < 22 * volt) return; // a call under way is given up
-            if (voltage.begin() != errc::ok) return;
+            if (!voltage.begin()) return;
         }
         // Here the rest of your program: no step waits.
     }

@@ -131,7 +131,7 @@ class session {
     }
 
     posix::serial port_;
-    errc opened_;
+    status opened_;
     std::FILE* notes_;
     line<posix::serial> line_{port_, modbus::timing_at(interop::baud)};
     client<decltype(line_), plain> server_{line_, node<plain>{interop::node_address}};

@@ -188,7 +188,7 @@ class session {
     }
 
     posix::serial port_;
-    errc opened_;
+    status opened_;
     std::FILE* notes_;
     std::array<bool, interop::coils> coils_ = [] {
         std::array<bool, interop::coils> all{};

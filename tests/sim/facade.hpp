@@ -238,7 +238,7 @@ template <class Seat, class Drive> class facade_of : public facade {
     /// The interpretations of the manual that the simulated drive follows.
     template <class Options> Options chosen() const { return options_at<Options>(at_->positions()); }
     template <class Command> servobus::errc begin(const Command& o, errand e) {
-        const servobus::errc refusal = drive.begin(o);
+        const servobus::errc refusal = drive.begin(o).error();
         if (refusal == servobus::errc::ok) ordered(std::move(e));
         return refusal;
     }

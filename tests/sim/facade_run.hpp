@@ -199,7 +199,7 @@ class facade_run {
         if (!on.is_struck && !was_restarted_) ++on.count->had_to_succeed;
         // A drive that is off or restarts excuses a failure. An exception from the drive is no fault of the
         // line.
-        const bool is_exception = !r && r.status.has_response();
+        const bool is_exception = !r && servobus::status{r}.has_response();
         if (!r && is_of_line && !is_exception && !on.is_struck)
             throw broken{"G9: the line had no fault, but " + wanted.name +
                          " ended: " + servobus::text(r.error())};

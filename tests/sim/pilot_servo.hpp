@@ -57,14 +57,15 @@ class servo_pilot final : public pilot_of<Line, servo_place<Line>, servobus::c63
         switch (what) {
         case doing::init: return order(init{});
         case doing::enable: return order(enable_in{control::position});
-        case doing::stop: return on.one_in(2) ? drive().begin(quick_stop{}) : drive().begin(disable{});
+        case doing::stop:
+            return (on.one_in(2) ? drive().begin(quick_stop{}) : drive().begin(disable{})).error();
         case doing::move: return move(on);
-        case doing::arrival: return drive().begin(wait_reached{servobus::milliseconds(8'000)});
-        case doing::standstill: return drive().begin(wait_standstill{servobus::milliseconds(8'000)});
+        case doing::arrival: return drive().begin(wait_reached{servobus::milliseconds(8'000)}).error();
+        case doing::standstill: return drive().begin(wait_standstill{servobus::milliseconds(8'000)}).error();
         case doing::homing: return order(home{servobus::c630s::time{8'000}});
         case doing::save:
         case doing::setting: return setting(on, what == doing::save);
-        case doing::reading: return drive().begin(read_feedback{});
+        case doing::reading: return drive().begin(read_feedback{}).error();
         default: return errc::bad_argument;
         }
     }
@@ -137,7 +138,7 @@ class servo_pilot final : public pilot_of<Line, servo_place<Line>, servobus::c63
     void hold(std::uint16_t address, std::uint16_t word) { (void)model().write(address, words_of({word})); }
 
     template <class Command> errc order(const Command& c) {
-        const errc refusal = drive().begin(c);
+        const errc refusal = drive().begin(c).error();
         if (refusal == errc::ok) this->forget_goals();
         return refusal;
     }
@@ -145,15 +146,15 @@ class servo_pilot final : public pilot_of<Line, servo_place<Line>, servobus::c63
         using namespace servobus::c630s;
         using namespace servobus::units;
         const auto ms = static_cast<std::int32_t>(on.between(10, 90));
-        if (is_kept) return drive().begin(keep<acceleration_time>{servobus::checked(ms)});
+        if (is_kept) return drive().begin(keep<acceleration_time>{servobus::checked(ms)}).error();
         const auto way = static_cast<std::int32_t>(draw_way(on, shown()[0], 1000, 9000));
         const auto speed = static_cast<std::int32_t>(on.between(60, 300));
-        return drive().begin(segment{1, way * reference_unit, speed * r_per_min});
+        return drive().begin(segment{1, way * reference_unit, speed * r_per_min}).error();
     }
     errc move(scene&) {
         using namespace servobus::c630s;
         const places from = shaft();
-        const errc refusal = drive().begin(start_segment{1});
+        const errc refusal = drive().begin(start_segment{1}).error();
         constexpr auto way = position_segment_displacements[0];
         if (refusal == errc::ok) this->goal[0] = from[0] + model().in_force(way.address);
         return refusal;

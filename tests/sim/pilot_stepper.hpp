@@ -42,15 +42,15 @@ class stepper_pilot final : public pilot_of<Line, stepper_place<Line>, servobus:
         using namespace servobus::units;
         switch (what) {
         case doing::init: return order(init{});
-        case doing::enable: return drive().begin(enable{});
+        case doing::enable: return drive().begin(enable{}).error();
         case doing::stop: return stop(on);
         case doing::move: return move(on);
-        case doing::arrival: return drive().begin(wait_reached{servobus::milliseconds(8'000)});
-        case doing::standstill: return drive().begin(wait_standstill{servobus::milliseconds(8'000)});
+        case doing::arrival: return drive().begin(wait_reached{servobus::milliseconds(8'000)}).error();
+        case doing::standstill: return drive().begin(wait_standstill{servobus::milliseconds(8'000)}).error();
         case doing::homing: return home();
-        case doing::save: return drive().begin(save{});
+        case doing::save: return drive().begin(save{}).error();
         case doing::setting: return setting(on);
-        case doing::reading: return drive().begin(read_feedback{});
+        case doing::reading: return drive().begin(read_feedback{}).error();
         default: return errc::bad_argument;
         }
     }
@@ -111,7 +111,7 @@ class stepper_pilot final : public pilot_of<Line, stepper_place<Line>, servobus:
     using base::model;
 
     template <class Command> errc order(const Command& c) {
-        const errc refusal = drive().begin(c);
+        const errc refusal = drive().begin(c).error();
         if (refusal == errc::ok) this->forget_goals();
         return refusal;
     }
@@ -122,9 +122,9 @@ class stepper_pilot final : public pilot_of<Line, stepper_place<Line>, servobus:
     errc stop(scene& on) {
         using namespace servobus::yako;
         switch (on.random.below(3)) {
-        case 0: return drive().begin(servobus::yako::halt{});
-        case 1: return drive().begin(quick_stop{});
-        default: return drive().begin(disable{});
+        case 0: return drive().begin(servobus::yako::halt{}).error();
+        case 1: return drive().begin(quick_stop{}).error();
+        default: return drive().begin(disable{}).error();
         }
     }
     errc home() {
@@ -139,8 +139,11 @@ class stepper_pilot final : public pilot_of<Line, stepper_place<Line>, servobus:
         const auto rpm = static_cast<std::int32_t>(on.between(100, 240));
         switch (on.random.below(4)) {
         case 0:
-        case 1: return drive().begin(set_homing_profile{rpm * r_per_min, 120 * r_per_min, 50 * millisecond});
-        case 2: return drive().begin(set_position_segment{2, 700 * pulse, rpm * r_per_min});
+        case 1:
+            return drive()
+                .begin(set_homing_profile{rpm * r_per_min, 120 * r_per_min, 50 * millisecond})
+                .error();
+        case 2: return drive().begin(set_position_segment{2, 700 * pulse, rpm * r_per_min}).error();
         default: return order(servobus::yako::clear_position{});
         }
     }
@@ -154,8 +157,9 @@ class stepper_pilot final : public pilot_of<Line, stepper_place<Line>, servobus:
                                 static_cast<std::int32_t>(on.between(60, 240)) * r_per_min};
         const bool is_place = drive().cached().is_homed && on.one_in(2);
         const errc refusal =
-            is_place ? drive().begin(move_to{(static_cast<std::int32_t>(count[0]) + way) * pulse, by})
-                     : drive().begin(move_by{way * pulse, by});
+            (is_place ? drive().begin(move_to{(static_cast<std::int32_t>(count[0]) + way) * pulse, by})
+                      : drive().begin(move_by{way * pulse, by}))
+                .error();
         if (refusal == errc::ok) this->goal[0] = from[0] + way;
         return refusal;
     }

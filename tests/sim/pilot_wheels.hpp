@@ -39,11 +39,11 @@ class wheels_pilot final : public pilot_of<Line, wheels_place<Line>, servobus::z
         case doing::enable: return enable_for_moves(on);
         case doing::stop: return stop(on);
         case doing::move: return move(on);
-        case doing::arrival: return drive().begin(wait_reached{servobus::milliseconds(8'000)});
-        case doing::standstill: return drive().begin(wait_standstill{});
-        case doing::save: return drive().begin(save{});
+        case doing::arrival: return drive().begin(wait_reached{servobus::milliseconds(8'000)}).error();
+        case doing::standstill: return drive().begin(wait_standstill{}).error();
+        case doing::save: return drive().begin(save{}).error();
         case doing::setting: return setting(on);
-        case doing::reading: return drive().begin(read_feedback{});
+        case doing::reading: return drive().begin(read_feedback{}).error();
         default: return errc::bad_argument;
         }
     }
@@ -109,7 +109,7 @@ class wheels_pilot final : public pilot_of<Line, wheels_place<Line>, servobus::z
         return static_cast<std::int32_t>(std::uint32_t{model().peek(address)} << 16 | low);
     }
     template <class Command> errc order(const Command& c) {
-        const errc refusal = drive().begin(c);
+        const errc refusal = drive().begin(c).error();
         if (refusal == errc::ok) this->forget_goals();
         return refusal;
     }
@@ -121,13 +121,13 @@ class wheels_pilot final : public pilot_of<Line, wheels_place<Line>, servobus::z
     }
     errc stop(scene& on) {
         using namespace servobus::zlac8015d;
-        return on.one_in(2) ? drive().begin(quick_stop{}) : drive().begin(disable{});
+        return (on.one_in(2) ? drive().begin(quick_stop{}) : drive().begin(disable{})).error();
     }
     errc setting(scene& on) {
         using namespace servobus::zlac8015d;
         using namespace servobus::units;
         const auto ms = static_cast<std::int32_t>(on.between(300, 500));
-        return drive().begin(ramps{ms * millisecond, ms * millisecond});
+        return drive().begin(ramps{ms * millisecond, ms * millisecond}).error();
     }
     errc move(scene& on) {
         using namespace servobus::zlac8015d;
@@ -150,11 +150,14 @@ class wheels_pilot final : public pilot_of<Line, wheels_place<Line>, servobus::z
         const auto right = target(1, r) * pulse;
         errc refusal = errc::ok;
         if (is_pair)
-            refusal = is_place ? drive().begin(move_to{left, right}) : drive().begin(move_by{left, right});
+            refusal = (is_place ? drive().begin(move_to{left, right}) : drive().begin(move_by{left, right}))
+                          .error();
         else if (is_left)
-            refusal = is_place ? drive().begin(move_left_to{left}) : drive().begin(move_left_by{left});
+            refusal =
+                (is_place ? drive().begin(move_left_to{left}) : drive().begin(move_left_by{left})).error();
         else
-            refusal = is_place ? drive().begin(move_right_to{right}) : drive().begin(move_right_by{right});
+            refusal = (is_place ? drive().begin(move_right_to{right}) : drive().begin(move_right_by{right}))
+                          .error();
         if (refusal != errc::ok) return refusal;
         if (is_pair || is_left) this->goal[0] = from[0] + l;
         if (is_pair || !is_left) this->goal[1] = from[1] + r;

@@ -20,7 +20,7 @@ namespace c630s_scenes {
 
 struct command {
     std::function<command_status(d&)> run;
-    std::function<errc(d&)> begin;
+    std::function<command_status(d&)> begin;
 };
 template <class Wanted> command command_to(Wanted wanted) {
     return {[wanted](d& x) { return x.run(wanted); }, [wanted](d& x) { return x.begin(wanted); }};

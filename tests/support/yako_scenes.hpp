@@ -98,7 +98,7 @@ constexpr std::int64_t any_way = -1;
 template <class A> struct row {
     std::string name;
     void (*prepare)(A&);
-    std::function<errc(A&)> begin;
+    std::function<command_status(A&)> begin;
     bool (*is_done)(A&);
     std::int64_t way = any_way; // by which the shaft turns; 0 for commands that do not move it
 };

@@ -144,7 +144,7 @@ template <u16 Address, u16 Left, u16 Right> bool has_pair(rig& r) {
 struct row {
     std::string name;
     void (*prepare)(rig&);
-    std::function<errc(drive_type&)> begin;
+    std::function<command_status(drive_type&)> begin;
     bool (*is_done)(rig&);
 };
 template <class Command> auto command_to(Command wanted) {

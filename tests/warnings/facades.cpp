@@ -114,7 +114,7 @@ micrometres raise_open(wire& on) {
     return raise(lift);
 }
 micrometres_per_second press(wire& on) {
-    c630s::axis_drive servo{on, 4, ram, {}, c630s::encoder_counts::of_23_bits};
+    c630s::axis_drive servo{on, 4, ram, without_watchdog, c630s::encoder_counts::of_23_bits};
     if (!servo.run(c630s::axis_segment{1, 75_mm, 50_mm_per_s, 100_ms})) return {};
     if (servo.run(c630s::start_segment{1}, wait_reached{}).how == arrival_state::reached)
         (void)servo.run(travel_at{10_mm_per_s});

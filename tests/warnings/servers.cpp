@@ -48,7 +48,7 @@ void run(full_server& server) {
 }
 void run(host_server& server) { server.step(); }
 
-errc keep(values& all, i32 measured, std::size_t i) {
+status keep(values& all, i32 measured, std::size_t i) {
     all.set<hoist::temperature>(clamped(measured * units::degree_celsius));
     all.set<is_open>(measured > 0);
     if (all.get<stops>(i).count() != measured) return all.set<stops>(i, checked(raw(measured)));

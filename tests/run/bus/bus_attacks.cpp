@@ -215,7 +215,7 @@ TEST_CASE("G26: a weaker stop that fails too leaves the stronger one to be repea
     REQUIRE(p.command(p.lift, yako::enable{}));
     m.wire.set_connected(1, false);
     REQUIRE_FALSE(p.command(p.lift, yako::disable{}));
-    errc refused = errc::busy;
+    command_status refused = errc::busy;
     while (refused == errc::busy) {
         p.turn();
         refused = p.lift.begin(yako::halt{});

@@ -33,8 +33,7 @@ struct mishap {
 
 template <class Command> command_status run_with(rig& r, const Command& wanted, const mishap& what) {
     const std::size_t start = r.wire.requests();
-    const errc refusal = r.drive.begin(wanted);
-    if (refusal != errc::ok) return command_status{status{refusal}};
+    if (const command_status begun = r.drive.begin(wanted); !begun) return begun;
     while (!r.drive.is_idle()) {
         const std::size_t done = r.wire.requests() - start;
         const bool strikes_request = done >= what.first && done < what.first + what.count;

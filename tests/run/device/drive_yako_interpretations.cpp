@@ -52,8 +52,8 @@ template <class A> void take_with_input(A& a, input_function as) {
 }
 command_status home_by_24(closed_axis& a) { return a.drive.run(closed_loop::home{homing::home_24}); }
 command_status home_by_24(open_axis& a) { return a.drive.run(open_loop::home{homing::home_24}); }
-errc begin_home_by_24(closed_axis& a) { return a.drive.begin(closed_loop::home{homing::home_24}); }
-errc begin_home_by_24(open_axis& a) { return a.drive.begin(open_loop::home{homing::home_24}); }
+command_status begin_home_by_24(closed_axis& a) { return a.drive.begin(closed_loop::home{homing::home_24}); }
+command_status begin_home_by_24(open_axis& a) { return a.drive.begin(open_loop::home{homing::home_24}); }
 
 /// Checks that an absolute move reaches its target, or is refused before anything has moved.
 template <class A> void check_absolute_move(A& a, std::int32_t place) {
@@ -197,7 +197,7 @@ template <class A> void a_save_that_is_not_certain_is_told(const drive_options& 
         A a{by};
         take_with_input(a, input_function::jog_positive);
         const std::uint32_t before = a.wire.requests();
-        const errc begun =
+        const command_status begun =
             is_reset ? a.drive.begin(factory_reset{sole_drive_on_the_line{}}) : a.drive.begin(save{});
         REQUIRE(begun == errc::ok);
         while (a.wire.requests() < before + 2) a.turn(); // the status was read
@@ -273,10 +273,10 @@ template <class A> void a_declaration_that_is_not_carried_out_is_told(drive_opti
     CHECK(a.drive.run(move_to{0 * pulse, brisk}).error() == errc::needs_homing);
 }
 
-errc begin_home_by_24(closed_axis& a, offset_handling then) {
+command_status begin_home_by_24(closed_axis& a, offset_handling then) {
     return a.drive.begin(closed_loop::home{homing::home_24, 7 * pulse, then});
 }
-errc begin_home_by_24(open_axis& a, offset_handling then) {
+command_status begin_home_by_24(open_axis& a, offset_handling then) {
     return a.drive.begin(open_loop::home{homing::home_24, 7 * pulse, then});
 }
 template <class A> void a_homing_that_is_cut_short_homes_nothing(const drive_options& by) {

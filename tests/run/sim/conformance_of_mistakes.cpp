@@ -37,7 +37,7 @@ template <class Model, class Line> class planted : public facade<Model, Line> {
     }
     result<winch::feedback> read() {
         const command_status r = base::run(read_feedback{});
-        if (!r) return r.status;
+        if (!r) return servobus::status{r};
         return winch::feedback::from_words(this->image());
     }
 };
