@@ -8,6 +8,7 @@
 #include <servobus/ports/arduino_stream.hpp>
 
 namespace zlac = servobus::zlac8015d;
+using servobus::command_status;
 using servobus::errc;
 using servobus::units::r_per_min;
 
@@ -20,11 +21,11 @@ zlac::drive wheels{wire, 1, {.command_timeout = servobus::milliseconds(500)}};
 
 enum class commands { init, enable, turn, disable };
 commands command = commands::init;
-errc refusal = errc::ok; // why the command did not begin
+command_status begun; // false: the command was refused
 uint32_t begun_at = 0;
 constexpr uint32_t period = 100; // ms from one command to the next: below the command timeout
 
-errc begin(commands next) {
+command_status begin(commands next) {
     switch (next) {
     case commands::init: return wheels.begin(zlac::init{});
     case commands::enable: return wheels.begin(zlac::enable{});
@@ -36,7 +37,7 @@ errc begin(commands next) {
 
 // After a refusal or a failure everything begins again with init, which reads the drive's state.
 commands next_command(bool is_to_turn) {
-    if (refusal != errc::ok || wheels.last().error() != errc::ok) return commands::init;
+    if (!begun || !wheels.last()) return commands::init;
     const bool is_enabled = command == commands::enable || command == commands::turn;
     if (is_to_turn) return is_enabled ? commands::turn : command == commands::init ? commands::enable : commands::init;
     return is_enabled ? commands::disable : commands::init;
@@ -46,7 +47,7 @@ void setup() {
     pinMode(run_switch, INPUT_PULLUP);
     Serial1.begin(baud);
     rs485.start();
-    refusal = begin(command);
+    begun = begin(command);
 }
 
 void loop() {
@@ -54,5 +55,5 @@ void loop() {
     if (!wheels.is_idle() || static_cast<uint32_t>(millis()) - begun_at < period) return;
     begun_at = millis();
     command = next_command(digitalRead(run_switch) == LOW);
-    refusal = begin(command);
+    begun = begin(command);
 }
