@@ -8,6 +8,7 @@
 #include <array>
 #include <cstdint>
 
+#include <servobus/bus/bus.hpp>
 #include <servobus/bus/plan.hpp>
 #include <servobus/bus/scheduled_line.hpp>
 
