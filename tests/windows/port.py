@@ -22,7 +22,7 @@ until((folder / "peer_line").exists, peer, "the peer")
 wine.com(12, folder / "peer_line")
 wine.begin_drive(tool, folder / "drive")
 wine.com(3, folder / "drive")
-of_program("bytes on COM12", wine.in_wine(folder / "port.exe", "bytes", "COM12").stdout, 71)
+of_program("bytes on COM12", wine.in_wine(folder / "port.exe", "bytes", "COM12").stdout, 72)
 of_program("a drive on COM3", wine.in_wine(folder / "port.exe", "drive", "COM3").stdout, 9)
 same("a drive on COM3, named with its prefix",
      "ok      it responds\n", wine.in_wine(folder / "port.exe", "look", r"\\.\COM3").stdout)

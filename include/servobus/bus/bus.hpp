@@ -176,7 +176,8 @@ class bus : detail::cyclic_reads<Plan, Line, Drives...> {
     }
     /// Never compiles: a read has no number, and the order of a plan's entries means nothing.
     template <std::size_t I> constexpr auto latest(duration) const {
-        static_assert(I != I, "a cyclic value is asked for by its row and node: latest<row>(node, oldest)");
+        static_assert(sizeof(std::size_t[I + 1]) == 0,
+                      "a cyclic value is asked for by its row and node: latest<row>(node, oldest)");
     }
     /// Sets the word order of all cyclic reads of a node without a facade, as `client::learn_word_order` found it. It
     /// becomes invalid when a request of any client to the node gets no response, or writes the register of the word
