@@ -11,7 +11,6 @@
 #include <concepts>
 #include <cstddef>
 #include <cstdint>
-#include <limits>
 #include <span>
 
 #include <servobus/core/text.hpp>
@@ -44,7 +43,7 @@ constexpr decimal_scale decimal_of(unit u) {
 /// fraction.
 constexpr void put_count(text_writer& out, std::int64_t count, unit u) {
     const detail::decimal_scale scale = detail::decimal_of(u);
-    constexpr std::int64_t most = std::numeric_limits<std::int64_t>::max();
+    constexpr std::int64_t most = detail::highest<std::int64_t>;
     if (scale.is_decimal && count <= most / scale.factor && count >= -(most / scale.factor)) {
         out.scaled(count * scale.factor, scale.decimals);
     } else if (scale.is_decimal) { // 64 bits do not hold the product

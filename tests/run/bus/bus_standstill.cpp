@@ -89,7 +89,7 @@ struct facade_alone : ear {
     sim::station<sim::zlac8015d> station{model};
     sim::virtual_line wire{115200};
     line_type on{wire, modbus::timing_at(115200)};
-    zlac8015d::drive<line_type> wheels{on, tests::wheels_node, by_plan};
+    zlac8015d::drive<line_type> wheels{on, tests::wheels_node, unsupervised};
 
     facade_alone() {
         wire.attach(station);

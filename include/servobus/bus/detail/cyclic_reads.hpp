@@ -98,7 +98,7 @@ template <const auto& Plan, class Line, class... Drives> class cyclic_reads {
         constexpr bool is_pair = addresses_in<row_type<R>> == 2;
         if (const status why = why_not(at.read, oldest, is_pair); !why) return why;
         if constexpr (is_bit<R>)
-            return reading_of<R>(bit(at.offset));
+            return reading_of<R>(bit_at(at.offset));
         else if constexpr (is_pair)
             return reading_of<R>(join_words(words_[at.offset], words_[at.offset + 1], taken_in(at.read)));
         else
@@ -124,7 +124,7 @@ template <const auto& Plan, class Line, class... Drives> class cyclic_reads {
                 std::uint8_t data[plan.bytes]{};
                 for (std::size_t k = 0; k < part.quantity; ++k) {
                     if (part.has_bits()) {
-                        data[k / 8] = static_cast<std::uint8_t>(data[k / 8] | bit(from + k) << k % 8);
+                        data[k / 8] = static_cast<std::uint8_t>(data[k / 8] | bit_at(from + k) << k % 8);
                     } else {
                         data[2 * k] = static_cast<std::uint8_t>(words_[from + k] >> 8);
                         data[2 * k + 1] = static_cast<std::uint8_t>(words_[from + k]);
@@ -310,7 +310,7 @@ template <const auto& Plan, class Line, class... Drives> class cyclic_reads {
     }
 
     // A bit by its number among those of all words; each word has the bits of two bytes, the first one high.
-    constexpr unsigned bit(std::size_t i) const {
+    constexpr unsigned bit_at(std::size_t i) const {
         const auto at = static_cast<unsigned>(i % 16) ^ 8u;
         return static_cast<unsigned>(words_[i / 16] >> at) & 1u;
     }

@@ -20,12 +20,6 @@ namespace servobus::detail {
 inline void the_plan_does_not_read_this_row_of_this_node() {}
 inline void no_cyclic_read_of_the_plan_has_all_these_rows_of_this_node() {}
 
-constexpr bool is_same_text(const char* a, const char* b) {
-    for (; *a == *b; ++a, ++b) {
-        if (*a == '\0') return true;
-    }
-    return false;
-}
 /// A row among others: two with one class and one address are the same. The class has its name, since the addresses of
 /// two objects are no constants to compare for g++ 11.
 struct row_key {
@@ -33,7 +27,7 @@ struct row_key {
     std::uint16_t address = 0;
 
     constexpr bool operator==(const row_key& other) const {
-        return address == other.address && is_same_text(of_class, other.of_class);
+        return address == other.address && __builtin_strcmp(of_class, other.of_class) == 0;
     }
 };
 template <class Row> constexpr const char* name_of_class() { return __PRETTY_FUNCTION__; }
