@@ -41,7 +41,7 @@ template <class Line> class robot {
     // Nothing turns before an operator has enabled the robot, and again after each fault, stop or loss.
     void enable() { loop_.enable(); }
     bool reset_faults() { return loop_.reset_faults(); }
-    errc stop() { return loop_.halt(); }
+    command_status stop() { return loop_.halt(); }
     // Waits until the wheels stand, and frees them.
     bool shut_down() { return (void)wheels_.run(halt{}), static_cast<bool>(wheels_.run(disable{})); }
 

@@ -10,7 +10,8 @@
 
 using namespace servobus;
 
-inline constexpr poll_plan plan{modbus::timing_at(115200), controlled(node<zlac::device>{1}, {.command_timeout = milliseconds(300)})};
+inline constexpr poll_plan plan{modbus::timing_at(115200),
+                                controlled(node<zlac::device>{1}, {.command_timeout = milliseconds(300)})};
 
 int main() {
     some_port port;

@@ -9,7 +9,8 @@
 
 using namespace servobus;
 
-inline constexpr poll_plan plan{modbus::timing_at(115200),
-                                controlled(node<other::device>{1}, {.command_timeout = milliseconds(300)})}; // wrong
+inline constexpr poll_plan plan{
+    modbus::timing_at(115200),
+    controlled(node<other::device>{1}, {.command_timeout = milliseconds(300)})}; // wrong
 
 int main() { return plan.controlled[0].address; }

@@ -10,6 +10,7 @@
 
 using namespace servobus;
 
-inline constexpr poll_plan plan{modbus::timing_at(115200), controlled(node<zlac::device>{1}, by_plan)}; // wrong
+inline constexpr poll_plan plan{modbus::timing_at(115200),
+                                controlled(node<zlac::device>{1}, by_plan)}; // wrong
 
 int main() { return plan.controlled[0].address; }

@@ -10,7 +10,8 @@
 
 using namespace servobus;
 
-inline constexpr poll_plan plan{modbus::timing_at(115200), controlled(node<zlac::device>{1}, {.command_timeout = milliseconds(300)}),
+inline constexpr poll_plan plan{modbus::timing_at(115200),
+                                controlled(node<zlac::device>{1}, {.command_timeout = milliseconds(300)}),
                                 own_requests(node<zlac::device>{9}, milliseconds(500), 126)}; // wrong
 
 int main() { return static_cast<int>(plan.requested); }

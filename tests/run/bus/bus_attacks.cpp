@@ -229,7 +229,7 @@ TEST_CASE("G26: a weaker stop that fails too leaves the stronger one to be repea
 TEST_CASE("G34: a move that was stopped short stays so for hours") {
     wheels_and_lift m;
     line_type on{m.wire, modbus::timing_at(115200)};
-    lift_type lift{on, lift_node, by_plan};
+    lift_type lift{on, lift_node, unsupervised};
     REQUIRE(lift.run(yako::init{}));
     REQUIRE(lift.run(yako::enable{}));
     REQUIRE(lift.begin(yako::move_by{3000 * pulse}) == errc::ok);
