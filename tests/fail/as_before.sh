@@ -33,3 +33,5 @@ for last in "$@"; do :; done
 sed '/^\.\.* /d; /^Multiple include guards/,$d' "$record.all" >"$record.words"
 rm -f "$record.all"
 cat "$record.words"
+# A compiler that was killed or crashed has said nothing of the program: it runs again.
+! grep -qE 'internal compiler error|Killed|PLEASE submit a bug report' "$record.words" || rm -f "$record.words"

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// What servobus.hpp includes below control: for tests of the lower rooms, which need no compiler after a change above.
+// Includes the part of servobus.hpp below control, for tests of the lower rooms: a change above compiles none of them.
 #pragma once
 
 #include <servobus/client/client.hpp>

@@ -50,10 +50,10 @@ class [[nodiscard]] command_status {
     /// Nothing was sent.
     [[gnu::always_inline]] constexpr command_status(errc why)
         : status_{why} {} // NOLINT: implicit, `return errc::busy;`
-    /// It ended at no step.
+    /// An end at no step.
     constexpr explicit command_status(const servobus::status& how) : status_{how} {}
-    /// It ended at a step whose first register has the address `after - 1`; 0: at none. `has_changed`: a step before
-    /// it has written.
+    /// An end at a step whose first register has the address `after - 1`; 0: at none. `has_changed`: a step before it
+    /// has written.
     constexpr command_status(const servobus::status& how, std::uint8_t step, bool has_changed,
                              std::uint16_t after = 0)
         : status_{how}, step_{step}, has_changed_{has_changed}, after_{after} {}

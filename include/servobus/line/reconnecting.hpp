@@ -28,7 +28,7 @@
 //
 // Windows keeps the COM number of an adapter that has a serial number. A program that knows better has `set_endpoint`.
 //
-// It allocates nothing, and keeps the texts of the endpoint by their pointers.
+// Nothing is allocated: the texts of the endpoint are kept by their pointers.
 #pragma once
 
 #include <servobus/core/cxx20.hpp>
