@@ -84,6 +84,8 @@ GIVEN = {
     "axis/axis.hpp": LITERALS,
     "axis/axis_place.hpp": LITERALS,
     "control/axis_commands.hpp": LIFT,
+    "control/motion_commands.hpp": WIRE + """inline zlac8015d::drive wheels{wire, 1, unsupervised};
+        inline yako::closed_loop::drive axis{wire, 2};""",
     "device/c630s/axis_drive.hpp": LITERALS + WIRE,
     "device/yako/axis_drive.hpp": LITERALS + WIRE,
     "device/zlac8015d/axes.hpp": LITERALS + WIRE,

@@ -30,7 +30,7 @@ inline constexpr zlac::watchdog watchdog{20 * second};
 inline constexpr servobus::supervision no_polling = servobus::unsupervised;
 inline constexpr servobus::duration longest_ramp = servobus::milliseconds(60'000);
 
-inline constexpr zlac::velocity opposite_ways{20 * r_per_min, -20 * r_per_min};
+inline constexpr zlac::wheel_velocities opposite_ways{20 * r_per_min, -20 * r_per_min};
 
 constexpr bool turns_as_commanded(const zlac::feedback& f) {
     return f.left_speed > 15 * r_per_min && f.right_speed < -15 * r_per_min;

@@ -34,16 +34,16 @@ using drive = y::closed_loop::axis_drive<Line>; // lift::drive<Line> platform{wi
 bool prepare(auto& platform) {
     return platform.run(set_up) && platform.run(enable{}) &&
            platform.run(y::closed_loop::home{y::homing::home_24}) &&
-           platform.run(travel_limits{.lowest = -2_mm, .highest = 200_mm});
+           platform.run(limit_travel{-2_mm, 200_mm});
 }
 axis_arrival go_to(auto& platform, micrometres place) {
-    return platform.run(travel_to{place, fast}, wait_reached{});
+    return platform.run(move_to{place, fast}, wait_reached{});
 }
 // In each iteration of a loop: up, down, or 0 while no button is held. `held` is the loop's own, 0 at first.
 duration jog(auto& platform, micrometres_per_second speed, micrometres_per_second& held) {
     const duration idle = platform.step();
     if (!platform.is_idle()) return idle;
-    if (speed == held && speed.count() != 0) (void)platform.begin(servobus::hold_at{speed, milliseconds(50)});
+    if (speed == held && speed.count() != 0) (void)platform.begin(hold{speed, milliseconds(50)});
     if (speed != held && platform.begin(halt{}) == errc::ok) held = speed; // also to turn round
     return idle;
 }

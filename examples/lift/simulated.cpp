@@ -87,7 +87,7 @@ int main() {
     w.check("a program that hangs", hung - w.mm() < 4 && !w.drive.view().is_moving);
     w.press(0_mm_per_s, 500);
 
-    if (!w.platform.run(travel_to{150_mm, lift::fast})) w.check("it goes", false);
+    if (!w.platform.run(move_to{150_mm, lift::fast})) w.check("it goes", false);
     w.wire.pass(milliseconds(800));
     w.drive.set_input(3, true);
     (void)w.platform.run(wait_reached{});

@@ -6,7 +6,7 @@
 //
 //     winch::drive drum{line, 5, {.command_timeout = servobus::milliseconds(300)}};
 //     if (!drum.run(servobus::init{}) || !drum.run(servobus::enable{})) return;
-//     const winch::arrival there = drum.run(winch::move_to{20'000 * winch::pulse}, servobus::wait_reached{});
+//     const winch::arrival there = drum.run(servobus::move_to{20'000 * winch::pulse}, servobus::wait_reached{});
 //     if (there.how != servobus::arrival_state::reached) show(there.missing.count());
 #pragma once
 
@@ -18,6 +18,7 @@
 #include <servobus/control/command_kinds.hpp>
 #include <servobus/control/facade.hpp>
 #include <servobus/control/image_of.hpp>
+#include <servobus/control/motion_commands.hpp>
 #include <servobus/control/steps.hpp>
 
 #include "own_device.hpp"
@@ -181,25 +182,22 @@ struct turn {
     }
 };
 /// Winds to a place; refused while it turns (`busy`).
-struct move_to {
-    distance place;
-    constexpr prepared_command prepare(const cached_settings& known) const {
-        const auto words =
-            servobus::split_words(static_cast<std::uint32_t>(place.count()), device::facts.word_order);
-        return {.steps = routines::move,
-                .arguments = {{words.first, words.second}},
-                .then = effect::moved,
-                .refusal = commands::first_error(needs(known, drive_state::enabled),
-                                                 commands::in_range<target>(place.count()))};
-    }
-};
+constexpr prepared_command prepare(const servobus::move_to<distance>& wanted, const cached_settings& known) {
+    const auto words =
+        servobus::split_words(static_cast<std::uint32_t>(wanted.place.count()), device::facts.word_order);
+    return {.steps = routines::move,
+            .arguments = {{words.first, words.second}},
+            .then = effect::moved,
+            .refusal = commands::first_error(needs(known, drive_state::enabled),
+                                             commands::in_range<target>(wanted.place.count()))};
+}
 
 // --- The registers of the arguments, by which `servobus::why` explains a refusal
 
 constexpr auto arguments(const turn& c, const cached_settings&) {
     return servobus::argument_list{commands::argument<speed>(c.at)};
 }
-constexpr auto arguments(const move_to& c, const cached_settings&) {
+constexpr auto arguments(const servobus::move_to<distance>& c, const cached_settings&) {
     return servobus::argument_list{commands::argument<target>(c.place)};
 }
 
@@ -379,7 +377,7 @@ template <class Line> class drive : public servobus::facade<model, Line> {
 
     using base::run;
     /// Runs a move and waits for its end.
-    winch::arrival run(const move_to& move, const servobus::wait_reached& end) {
+    winch::arrival run(const servobus::move_to<distance>& move, const servobus::wait_reached& end) {
         if (!base::run(move)) return {};
         (void)base::run(end);
         return arrival(end);

@@ -173,8 +173,8 @@ template <class Port> class robot_hardware {
         const auto speed_of = [&](std::uint16_t word) {
             return speed{static_cast<std::int16_t>(word) * parts};
         };
-        const servobus::command_status begun = drive_->begin(
-            servobus::zlac8015d::velocity{speed_of(next.left_word()), speed_of(next.right_word())});
+        const servobus::command_status begun =
+            drive_->begin(velocity{speed_of(next.left_word()), speed_of(next.right_word())});
         return begun ? std::string{} : std::string{"a velocity is refused: "} + text(begun.error());
     }
     void step() {

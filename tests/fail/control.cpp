@@ -330,6 +330,11 @@ int main() {
         (void)stepper.run(yako::set_microsteps{2000});
         (void)stepper.run(yako::wire_inputs{.x0 = yako::input_function::home});
         (void)servo.run(c630s::enable_in{c630s::control_mode::speed});
+        (void)servo.run(hold{60 * units::r_per_min, servobus::runs_on_without_line{}});
+        (void)servo.run(servobus::velocity{30 * units::r_per_min});
+        (void)wheels.run(servobus::velocity{30 * units::r_per_min, 30 * units::r_per_min});
+        (void)stepper.run(servobus::move_by{400 * units::pulse});
+        (void)servobus::move_to{5 * units::micrometre};
         (void)servo.run(c630s::keep<c630s::pulses_per_revolution>{checked(raw(10000))});
         (void)wheels.run(zlac::save{});
         (void)stepper.run(yako::save{});
@@ -351,7 +356,6 @@ int main() {
     scheduled_line wire{port, plan_12.timing()};
     zlac::drive wheels{wire, 1, by_plan};
     (void)zlac::drive{wire, 1, {.feedback = milliseconds(20), .command_timeout = milliseconds(300)}};
-    (void)c630s::hold{60 * units::r_per_min, c630s::runs_on_without_line{}};
     constexpr auto on = zlac::enable_in{zlac::operating_mode::velocity};
     (void)on;
     auto all = make_bus<plan_12>(wire, wheels);

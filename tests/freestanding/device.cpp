@@ -20,5 +20,5 @@ bool job(uart& rs485) {
     client<decltype(wire), zlac8015d::device> wheels{wire, node<zlac8015d::device>{1}};
     const auto volts = wheels.read<zlac8015d::bus_voltage>();
     zlac8015d::drive both{wire, 1, unsupervised};
-    return volts && both.run(zlac8015d::init{}) && both.run(zlac8015d::disable{});
+    return volts && both.run(init{}) && both.run(disable{});
 }

@@ -55,24 +55,27 @@ class servo_pilot final : public pilot_of<Line, servo_place<Line>, servobus::c63
     errc begin(doing what, scene& on) override {
         using namespace servobus::c630s;
         switch (what) {
-        case doing::init: return order(init{});
+        case doing::init: return order(servobus::init{});
         case doing::enable: return order(enable_in{control::position});
         case doing::stop:
-            return (on.one_in(2) ? drive().begin(quick_stop{}) : drive().begin(disable{})).error();
+            return (on.one_in(2) ? drive().begin(servobus::quick_stop{}) : drive().begin(servobus::disable{}))
+                .error();
         case doing::move: return move(on);
-        case doing::arrival: return drive().begin(wait_reached{servobus::milliseconds(8'000)}).error();
-        case doing::standstill: return drive().begin(wait_standstill{servobus::milliseconds(8'000)}).error();
+        case doing::arrival:
+            return drive().begin(servobus::wait_reached{servobus::milliseconds(8'000)}).error();
+        case doing::standstill:
+            return drive().begin(servobus::wait_standstill{servobus::milliseconds(8'000)}).error();
         case doing::homing: return order(home{servobus::c630s::time{8'000}});
         case doing::save:
         case doing::setting: return setting(on, what == doing::save);
-        case doing::reading: return drive().begin(read_feedback{}).error();
+        case doing::reading: return drive().begin(servobus::read_feedback{}).error();
         default: return errc::bad_argument;
         }
     }
     errc begin_turning_mode() override { return order(servobus::c630s::enable_in{control::speed}); }
     errc begin_setpoint(scene& on) override {
         using namespace servobus::units;
-        return order(servobus::c630s::velocity{static_cast<std::int32_t>(on.between(60, 400)) * r_per_min});
+        return order(servobus::velocity{static_cast<std::int32_t>(on.between(60, 400)) * r_per_min});
     }
     bool can(doing what) const override {
         const bool is_enabled = this->says_enabled();

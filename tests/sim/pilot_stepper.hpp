@@ -41,16 +41,18 @@ class stepper_pilot final : public pilot_of<Line, stepper_place<Line>, servobus:
         using namespace servobus::yako;
         using namespace servobus::units;
         switch (what) {
-        case doing::init: return order(init{});
-        case doing::enable: return drive().begin(enable{}).error();
+        case doing::init: return order(servobus::init{});
+        case doing::enable: return drive().begin(servobus::enable{}).error();
         case doing::stop: return stop(on);
         case doing::move: return move(on);
-        case doing::arrival: return drive().begin(wait_reached{servobus::milliseconds(8'000)}).error();
-        case doing::standstill: return drive().begin(wait_standstill{servobus::milliseconds(8'000)}).error();
+        case doing::arrival:
+            return drive().begin(servobus::wait_reached{servobus::milliseconds(8'000)}).error();
+        case doing::standstill:
+            return drive().begin(servobus::wait_standstill{servobus::milliseconds(8'000)}).error();
         case doing::homing: return home();
         case doing::save: return drive().begin(save{}).error();
         case doing::setting: return setting(on);
-        case doing::reading: return drive().begin(read_feedback{}).error();
+        case doing::reading: return drive().begin(servobus::read_feedback{}).error();
         default: return errc::bad_argument;
         }
     }
@@ -117,14 +119,14 @@ class stepper_pilot final : public pilot_of<Line, stepper_place<Line>, servobus:
     }
     errc begin_setpoint_at(std::int32_t speed) {
         using namespace servobus::units;
-        return order(servobus::yako::velocity{speed * r_per_min});
+        return order(servobus::velocity{speed * r_per_min});
     }
     errc stop(scene& on) {
         using namespace servobus::yako;
         switch (on.random.below(3)) {
-        case 0: return drive().begin(servobus::yako::halt{}).error();
-        case 1: return drive().begin(quick_stop{}).error();
-        default: return drive().begin(disable{}).error();
+        case 0: return drive().begin(servobus::halt{}).error();
+        case 1: return drive().begin(servobus::quick_stop{}).error();
+        default: return drive().begin(servobus::disable{}).error();
         }
     }
     errc home() {
@@ -157,8 +159,9 @@ class stepper_pilot final : public pilot_of<Line, stepper_place<Line>, servobus:
                                 static_cast<std::int32_t>(on.between(60, 240)) * r_per_min};
         const bool is_place = drive().cached().is_homed && on.one_in(2);
         const errc refusal =
-            (is_place ? drive().begin(move_to{(static_cast<std::int32_t>(count[0]) + way) * pulse, by})
-                      : drive().begin(move_by{way * pulse, by}))
+            (is_place
+                 ? drive().begin(servobus::move_to{(static_cast<std::int32_t>(count[0]) + way) * pulse, by})
+                 : drive().begin(servobus::move_by{way * pulse, by}))
                 .error();
         if (refusal == errc::ok) this->goal[0] = from[0] + way;
         return refusal;

@@ -35,15 +35,16 @@ class wheels_pilot final : public pilot_of<Line, wheels_place<Line>, servobus::z
     errc begin(doing what, scene& on) override {
         using namespace servobus::zlac8015d;
         switch (what) {
-        case doing::init: return order(init{});
+        case doing::init: return order(servobus::init{});
         case doing::enable: return enable_for_moves(on);
         case doing::stop: return stop(on);
         case doing::move: return move(on);
-        case doing::arrival: return drive().begin(wait_reached{servobus::milliseconds(8'000)}).error();
-        case doing::standstill: return drive().begin(wait_standstill{}).error();
+        case doing::arrival:
+            return drive().begin(servobus::wait_reached{servobus::milliseconds(8'000)}).error();
+        case doing::standstill: return drive().begin(servobus::wait_standstill{}).error();
         case doing::save: return drive().begin(save{}).error();
         case doing::setting: return setting(on);
-        case doing::reading: return drive().begin(read_feedback{}).error();
+        case doing::reading: return drive().begin(servobus::read_feedback{}).error();
         default: return errc::bad_argument;
         }
     }
@@ -51,7 +52,7 @@ class wheels_pilot final : public pilot_of<Line, wheels_place<Line>, servobus::z
     errc begin_setpoint(scene& on) override {
         using namespace servobus::units;
         const auto speed = static_cast<std::int32_t>(on.between(20, 90));
-        return order(servobus::zlac8015d::velocity{speed * r_per_min, speed * r_per_min});
+        return order(servobus::velocity{speed * r_per_min, speed * r_per_min});
     }
     bool can(doing what) const override {
         using servobus::zlac8015d::drive_state;
@@ -121,7 +122,8 @@ class wheels_pilot final : public pilot_of<Line, wheels_place<Line>, servobus::z
     }
     errc stop(scene& on) {
         using namespace servobus::zlac8015d;
-        return (on.one_in(2) ? drive().begin(quick_stop{}) : drive().begin(disable{})).error();
+        return (on.one_in(2) ? drive().begin(servobus::quick_stop{}) : drive().begin(servobus::disable{}))
+            .error();
     }
     errc setting(scene& on) {
         using namespace servobus::zlac8015d;
@@ -150,7 +152,8 @@ class wheels_pilot final : public pilot_of<Line, wheels_place<Line>, servobus::z
         const auto right = target(1, r) * pulse;
         errc refusal = errc::ok;
         if (is_pair)
-            refusal = (is_place ? drive().begin(move_to{left, right}) : drive().begin(move_by{left, right}))
+            refusal = (is_place ? drive().begin(servobus::move_to{left, right})
+                                : drive().begin(servobus::move_by{left, right}))
                           .error();
         else if (is_left)
             refusal =

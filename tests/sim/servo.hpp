@@ -39,7 +39,7 @@ inline const std::vector<c630s_setting>& prepared_c630s() {
         servobus::line on{wire, servobus::modbus::timing_at(model.baud())};
         servobus::c630s::drive drive{on, 1};
         std::vector<c630s_setting> found;
-        if (!drive.run(servobus::c630s::init{}) || !drive.run(servobus::c630s::set_up{})) return found;
+        if (!drive.run(servobus::init{}) || !drive.run(servobus::c630s::set_up{})) return found;
         for (const servobus::entry& e : servobus::c630s::catalogue.entries) {
             std::vector<std::uint16_t> was(e.words());
             std::vector<std::uint16_t> is(e.words());
@@ -62,7 +62,7 @@ class servo final : public facade_of<servo_participant, servobus::c630s::drive<p
     bool make_ready() override {
         for (const auto& [address, words] : prepared_c630s()) (void)model().write(address, words_of(words));
         model().power_cycle();
-        return carry_out(servobus::c630s::init{});
+        return carry_out(servobus::init{});
     }
 
     servobus::errc begin_any(scene& on) override {
@@ -71,11 +71,11 @@ class servo final : public facade_of<servo_participant, servobus::c630s::drive<p
         switch (on.random.below(drive.state() == drive_state::enabled || needs_init() ? 10 : 5)) {
         case 0: return initialise();
         case 1: return begin_stop(on);
-        case 2: return begin(read_feedback{}, {.name = "read feedback"});
+        case 2: return begin(servobus::read_feedback{}, {.name = "read feedback"});
         case 3:
-            return begin(fault_reset{}, {.name = "fault reset", .disables = true, .is_carried_out = [this] {
-                                             return is_off();
-                                         }});
+            return begin(
+                servobus::fault_reset{},
+                {.name = "fault reset", .disables = true, .is_carried_out = [this] { return is_off(); }});
         case 4: return be_enabled_in(on);
         default: return move(on);
         }
@@ -87,11 +87,11 @@ class servo final : public facade_of<servo_participant, servobus::c630s::drive<p
         if (on.one_in(12)) return begin_stop(on);
         if (on.one_in(2)) return move(on);
         if (on.one_in(3))
-            return begin(wait_standstill{servobus::milliseconds(5'000)},
+            return begin(servobus::wait_standstill{servobus::milliseconds(5'000)},
                          {.name = "wait for standstill", .has_arrived = [this] {
                               return stands() && (!expected_end_.is_certain() || is_at_goal());
                           }});
-        return begin(wait_reached{servobus::milliseconds(5'000)},
+        return begin(servobus::wait_reached{servobus::milliseconds(5'000)},
                      {.name = "wait for arrival", .has_arrived = [this] {
                           return stands() && (!expected_end_.is_known() || is_at_goal());
                       }});
@@ -106,14 +106,14 @@ class servo final : public facade_of<servo_participant, servobus::c630s::drive<p
         const std::uint32_t which = on.random.below(3);
         const bool has_halt =
             drive.state() != drive_state::enabled || drive.cached().mode != control_mode::position;
-        if (which == 0 && has_halt) return stop("halt", halt{});
-        if (which == 1) return stop("quick stop", quick_stop{});
+        if (which == 0 && has_halt) return stop("halt", servobus::halt{});
+        if (which == 1) return stop("quick stop", servobus::quick_stop{});
         return begin_end();
     }
     servobus::errc begin_end() override {
-        return begin(
-            servobus::c630s::disable{},
-            {.name = "disable", .is_stop = true, .is_carried_out = [this] { return is_off() && stands(); }});
+        return begin(servobus::disable{}, {.name = "disable", .is_stop = true, .is_carried_out = [this] {
+                                               return is_off() && stands();
+                                           }});
     }
 
     bool stands() override { return view::is_slow(model()); }
@@ -215,9 +215,9 @@ class servo final : public facade_of<servo_participant, servobus::c630s::drive<p
 
     servobus::errc initialise() {
         expected_end_.forget();
-        return begin(servobus::c630s::init{}, {.name = "init", .is_init = true, .is_carried_out = [this] {
-                                                   return is_off() && stands();
-                                               }});
+        return begin(servobus::init{}, {.name = "init", .is_init = true, .is_carried_out = [this] {
+                                            return is_off() && stands();
+                                        }});
     }
     servobus::errc enable_for_moves() {
         expected_end_.forget();
@@ -244,7 +244,7 @@ class servo final : public facade_of<servo_participant, servobus::c630s::drive<p
         if (drive.cached().mode == control_mode::speed && is_jog)
             return begin(jog{wanted * r_per_min}, {.name = "jog", .moves = true});
         if (drive.cached().mode == control_mode::speed) {
-            return begin(velocity{wanted * r_per_min},
+            return begin(servobus::velocity{wanted * r_per_min},
                          {.name = "velocity", .moves = true, .is_carried_out = [this, wanted] {
                               return model().peek(target_speed.address) == wanted;
                           }});

@@ -32,8 +32,8 @@ class stepper final : public facade_of<stepper_participant, servobus::yako::clos
         switch (on.random.below(drive.state() == drive_state::enabled || needs_init() ? 10 : 5)) {
         case 0: return initialise();
         case 1: return begin_stop(on);
-        case 2: return begin(read_feedback{}, {.name = "read feedback"});
-        case 3: return begin(fault_reset{}, {.name = "fault reset"});
+        case 2: return begin(servobus::read_feedback{}, {.name = "read feedback"});
+        case 3: return begin(servobus::fault_reset{}, {.name = "fault reset"});
         case 4: return energise();
         default: return move(on);
         }
@@ -44,11 +44,11 @@ class stepper final : public facade_of<stepper_participant, servobus::yako::clos
         if (on.one_in(12)) return begin_stop(on);
         if (on.one_in(2)) return move(on);
         if (on.one_in(3))
-            return begin(wait_standstill{servobus::milliseconds(5'000)},
+            return begin(servobus::wait_standstill{servobus::milliseconds(5'000)},
                          {.name = "wait for standstill", .has_arrived = [this] {
                               return stands() && (!expected_end_.is_certain() || is_at_goal());
                           }});
-        return begin(wait_reached{servobus::milliseconds(5'000)},
+        return begin(servobus::wait_reached{servobus::milliseconds(5'000)},
                      {.name = "wait for arrival", .has_arrived = [this] {
                           return stands() && (!expected_end_.is_known() || is_at_goal());
                       }});
@@ -60,16 +60,15 @@ class stepper final : public facade_of<stepper_participant, servobus::yako::clos
     }
     servobus::errc begin_stop(scene& on) override {
         switch (on.random.below(3)) {
-        case 0: return stop("stop", servobus::yako::halt{});
-        case 1: return stop("quick stop", servobus::yako::quick_stop{});
+        case 0: return stop("stop", servobus::halt{});
+        case 1: return stop("quick stop", servobus::quick_stop{});
         default: return begin_end();
         }
     }
     servobus::errc begin_end() override {
-        return begin(servobus::yako::disable{},
-                     {.name = "release", .is_stop = true, .is_carried_out = [this] {
-                          return !model().enabled() && stands();
-                      }});
+        return begin(servobus::disable{}, {.name = "release", .is_stop = true, .is_carried_out = [this] {
+                                               return !model().enabled() && stands();
+                                           }});
     }
 
     bool stands() override { return !view::is_turning(model()); }
@@ -138,13 +137,13 @@ class stepper final : public facade_of<stepper_participant, servobus::yako::clos
 
     servobus::errc initialise() {
         expected_end_.forget();
-        return begin(servobus::yako::init{},
+        return begin(servobus::init{},
                      {.name = "init", .is_init = true, .is_carried_out = [this] { return stands(); }});
     }
     servobus::errc energise() {
-        return begin(servobus::yako::enable{}, {.name = "enable", .enables = true, .is_carried_out = [this] {
-                                                    return model().enabled();
-                                                }});
+        return begin(servobus::enable{}, {.name = "enable", .enables = true, .is_carried_out = [this] {
+                                              return model().enabled();
+                                          }});
     }
     servobus::errc move(scene& on) {
         using namespace servobus::yako;
@@ -154,15 +153,15 @@ class stepper final : public facade_of<stepper_participant, servobus::yako::clos
         const std::int32_t way = on.one_in(2) ? size : -size;
         const auto has_begun = [this, before] { return starts() == before + 1; };
         if (on.one_in(4)) {
-            const servobus::errc refusal =
-                begin(velocity{way * r_per_min}, {.name = "jog", .moves = true, .is_carried_out = has_begun});
+            const servobus::errc refusal = begin(servobus::velocity{way * r_per_min},
+                                                 {.name = "jog", .moves = true, .is_carried_out = has_begun});
             if (refusal == servobus::errc::ok) expected_end_.command_endless();
             return refusal;
         }
         const motion_profile by{20 * r_per_min, 50 * millisecond, 50 * millisecond, 120 * r_per_min};
         const std::int32_t pulses = on.one_in(4) ? way / 20 : 50 * way;
-        const servobus::errc refusal =
-            begin(move_by{pulses * pulse, by}, {.name = "move", .moves = true, .is_carried_out = has_begun});
+        const servobus::errc refusal = begin(servobus::move_by{pulses * pulse, by},
+                                             {.name = "move", .moves = true, .is_carried_out = has_begun});
         if (refusal == servobus::errc::ok) expected_end_.command(pulses);
         return refusal;
     }

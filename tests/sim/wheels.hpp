@@ -39,10 +39,10 @@ class wheels final : public facade_of<wheels_participant, servobus::zlac8015d::d
         switch (on.random.below(12)) {
         case 0: return initialise();
         case 1: return begin_stop(on);
-        case 2: return begin(read_feedback{}, {.name = "read feedback"});
+        case 2: return begin(servobus::read_feedback{}, {.name = "read feedback"});
         case 3:
             if (is_enabled)
-                return begin(wait_standstill{},
+                return begin(servobus::wait_standstill{},
                              {.name = "wait for standstill",
                               // Wheels that were given a speed just before stood as they were read.
                               .is_carried_out = [this] { return stands() || motion() != 0; }});
@@ -59,9 +59,9 @@ class wheels final : public facade_of<wheels_participant, servobus::zlac8015d::d
         if (on.one_in(12)) return begin_stop(on);
         if (on.one_in(2)) return move_in_position(on);
         if (on.one_in(3))
-            return begin(wait_standstill{}, {.name = "wait for standstill", .has_arrived = [this] {
-                                                 return stands() && is_at_certain_goals();
-                                             }});
+            return begin(servobus::wait_standstill{}, {.name = "wait for standstill", .has_arrived = [this] {
+                                                           return stands() && is_at_certain_goals();
+                                                       }});
         const unsigned which = on.between(1, 3);
         return begin(wait_wheels_reached{static_cast<servobus::zlac8015d::wheels>(which),
                                          servobus::milliseconds(5'000)},
@@ -80,14 +80,14 @@ class wheels final : public facade_of<wheels_participant, servobus::zlac8015d::d
         using namespace servobus::zlac8015d;
         const std::uint32_t which = on.random.below(3);
         const bool has_halt = drive.state() != drive_state::enabled || is_in_speed() || is_in_torque();
-        if (which == 0 && has_halt) return stop("halt", halt{});
-        if (which == 1) return stop("quick stop", quick_stop{});
+        if (which == 0 && has_halt) return stop("halt", servobus::halt{});
+        if (which == 1) return stop("quick stop", servobus::quick_stop{});
         return begin_end();
     }
     servobus::errc begin_end() override {
-        return begin(
-            servobus::zlac8015d::disable{},
-            {.name = "disable", .is_stop = true, .is_carried_out = [this] { return is_off() && stands(); }});
+        return begin(servobus::disable{}, {.name = "disable", .is_stop = true, .is_carried_out = [this] {
+                                               return is_off() && stands();
+                                           }});
     }
 
     bool stands() override {
@@ -256,8 +256,8 @@ class wheels final : public facade_of<wheels_participant, servobus::zlac8015d::d
         const std::int32_t n = on.one_in(2) ? size : -size;
         const bool is_place = drive.cached().mode == mode::absolute_position;
         if (drive.cached().starts == synchronisation::synchronous) {
-            return is_place ? begin_move(move_to{n * pulse, n * pulse}, 3, n)
-                            : begin_move(move_by{n * pulse, n * pulse}, 3, n);
+            return is_place ? begin_move(servobus::move_to{n * pulse, n * pulse}, 3, n)
+                            : begin_move(servobus::move_by{n * pulse, n * pulse}, 3, n);
         }
         if (on.one_in(2))
             return is_place ? begin_move(move_left_to{n * pulse}, 1, n)
@@ -268,12 +268,12 @@ class wheels final : public facade_of<wheels_participant, servobus::zlac8015d::d
 
     servobus::errc initialise() {
         forget_goals();
-        return begin(servobus::zlac8015d::init{}, {.name = "init", .is_init = true, .is_carried_out = [this] {
-                                                       return is_off() && stands();
-                                                   }});
+        return begin(servobus::init{}, {.name = "init", .is_init = true, .is_carried_out = [this] {
+                                            return is_off() && stands();
+                                        }});
     }
     servobus::errc reset_faults() {
-        return begin(servobus::zlac8015d::fault_reset{},
+        return begin(servobus::fault_reset{},
                      {.name = "fault reset", .is_carried_out = [this] { return is_off(); }});
     }
     std::uint64_t old_targets() {
@@ -298,7 +298,7 @@ class wheels final : public facade_of<wheels_participant, servobus::zlac8015d::d
         const std::int32_t wanted = on.one_in(2) ? size : -size;
         const auto word = static_cast<std::uint16_t>(wanted);
         if (is_in_speed()) {
-            return begin(velocity{wanted * r_per_min, wanted * r_per_min},
+            return begin(servobus::velocity{wanted * r_per_min, wanted * r_per_min},
                          {.name = "velocity", .moves = true, .is_carried_out = [this, word] {
                               return model().peek(left_target_speed.address) == word &&
                                      model().peek(right_target_speed.address) == word;
@@ -312,7 +312,7 @@ class wheels final : public facade_of<wheels_participant, servobus::zlac8015d::d
                           }});
         }
         if (drive.cached().mode == mode::absolute_position) return servobus::errc::wrong_state;
-        return begin_move(move_by{10 * wanted * pulse, 10 * wanted * pulse}, 3, 10 * wanted);
+        return begin_move(servobus::move_by{10 * wanted * pulse, 10 * wanted * pulse}, 3, 10 * wanted);
     }
 
     std::array<expected_end, 2> expected_ends_; ///< of the left wheel and of the right one

@@ -85,13 +85,13 @@ struct wheels : seen::wheels {
         const enable_in relative{operating_mode::relative_position};
         const enable_in absolute{operating_mode::absolute_position};
         const enable_in single{operating_mode::relative_position, synchronisation::asynchronous};
-        each("velocity", enable{}, zlac8015d::velocity{30 * r_per_min, 30 * r_per_min}, sim::turns());
-        each("hold", enable{}, zlac8015d::hold{30 * r_per_min, 30 * r_per_min}, sim::turns());
+        each("velocity", enable{}, velocity{30 * r_per_min, 30 * r_per_min}, sim::turns());
+        each("hold", enable{}, hold{30 * r_per_min, 30 * r_per_min}, sim::turns());
         each("left_velocity", enable{}, zlac8015d::left_velocity{30 * r_per_min}, sim::turns());
         each("torque", torque, zlac8015d::torque{3000 * milliampere, 3000 * milliampere}, sim::turns());
-        each("move_by", relative, zlac8015d::move_by{2000 * pulse, 2000 * pulse}, sim::moves_by(2000));
+        each("move_by", relative, move_by{2000 * pulse, 2000 * pulse}, sim::moves_by(2000));
         each("move_left_by", single, zlac8015d::move_left_by{-1500 * pulse}, sim::moves_by(-1500));
-        each("move_to", absolute, zlac8015d::move_to{2000 * pulse, 2000 * pulse}, sim::moves_to(2000));
+        each("move_to", absolute, move_to{2000 * pulse, 2000 * pulse}, sim::moves_to(2000));
         each("ramps", disable{}, zlac8015d::ramps{200 * millisecond, 200 * millisecond},
              sim::changes_nothing());
         each("clear_position", disable{}, zlac8015d::clear_position{}, sim::changes_nothing());
@@ -135,14 +135,14 @@ struct axis : seen::stepper {
 
     template <class Each> static void commands(const Each& each) {
         const yako::motion_profile brisk{10 * r_per_min, 50 * millisecond, 50 * millisecond, 600 * r_per_min};
-        each("velocity", enable{}, yako::velocity{60 * r_per_min}, sim::turns());
-        each("move_by", enable{}, yako::move_by{3000 * pulse, brisk}, sim::moves_by(3000));
+        each("velocity", enable{}, velocity{60 * r_per_min}, sim::turns());
+        each("move_by", enable{}, move_by{3000 * pulse, brisk}, sim::moves_by(3000));
         each("bounded_jog", enable{}, yako::bounded_jog{-2000 * pulse, brisk}, sim::moves_by(-2000));
-        const yako::hold down{-60 * r_per_min, milliseconds(50)};
-        each("hold", enable{}, down, sim::moves_by(down.reach({.microsteps = 1000}).count()));
+        const yako::held_velocity down{-60 * r_per_min, milliseconds(50), yako::time{100}, yako::time{100}};
+        each("hold", enable{}, down, sim::moves_by(yako::reach(down, {.microsteps = 1000}).count()));
         each("home", enable{}, homing{yako::homing::home_24}, sim::homes_at(home));
         each("set_profile", enable{}, yako::set_profile{brisk}, sim::changes_nothing());
-        each("declare_position", enable{}, yako::declare_position{500 * pulse}, sim::hides_a_restart());
+        each("declare_position", enable{}, declare_position{500 * pulse}, sim::hides_a_restart());
         each("clear_position", disable{}, yako::clear_position{}, sim::changes_nothing());
         // The marker is not saved, and so is written anew.
         each("save", disable{}, yako::save{}, sim::hides_a_restart());
@@ -209,8 +209,8 @@ template <class Interpretations = default_interpretation<sim::c630s_options>> st
         using c630s::control_mode, c630s::enable_in, c630s::torque_share;
         const enable_in positions{control_mode::position};
         const enable_in torque{control_mode::torque};
-        each("velocity", enable{}, c630s::velocity{60 * r_per_min}, sim::turns());
-        each("hold", enable{}, c630s::hold{60 * r_per_min, c630s::runs_on_without_line{}}, sim::turns());
+        each("velocity", enable{}, velocity{60 * r_per_min}, sim::turns());
+        each("hold", enable{}, hold{60 * r_per_min, c630s::runs_on_without_line{}}, sim::turns());
         each("jog", enable{}, c630s::jog{-60 * r_per_min}, sim::turns());
         each("torque", torque, c630s::torque{10 * percent}, sim::turns());
         each("start_segment", positions, c630s::start_segment{1}, sim::moves_by(3000));

@@ -66,7 +66,7 @@ inline prepared_command prepare(read_feedback, const settings& known) {
 struct home {
     static constexpr std::int32_t place = 30'000;
     constexpr prepared_command prepare(const winch::cached_settings& known) const {
-        prepared_command c = winch::move_to{place * units::pulse}.prepare(known);
+        prepared_command c = winch::prepare(servobus::move_to{place * units::pulse}, known);
         c.steps = routines::home;
         return c;
     }
@@ -166,7 +166,7 @@ struct subject : winch::subject {
         if (present == flaw::foreign_enable) m.control(winch::control_code::hold);
     }
     template <class Each> static void commands(const Each& each) {
-        using winch::turn, winch::move_to, units::r_per_min, units::pulse;
+        using servobus::move_to, winch::turn, units::r_per_min, units::pulse;
         sim::expected homes_blindly = sim::homes_at(home::place);
         homes_blindly.hides_restart = true;
         each("stay", enable{}, move_to{0 * pulse}, sim::changes_nothing());

@@ -31,7 +31,7 @@ constexpr auto release_frame = modbus::write_frame(1, 0x002D, 0x0011);
 const motion_profile gentle{10 * r_per_min, 50 * millisecond, 50 * millisecond, 60 * r_per_min};
 const motion_profile brisk{10 * r_per_min, 20 * millisecond, 20 * millisecond, 300 * r_per_min};
 
-constexpr hold fast{600 * r_per_min, milliseconds(1), 10 * millisecond, 10 * millisecond};
+constexpr yako::held_velocity fast{600 * r_per_min, milliseconds(1), 10 * millisecond, 10 * millisecond};
 
 inline bool is_write(bytes f) { return modbus::is_write(f[1]); }
 inline bool is_stop(bytes f) {
@@ -52,7 +52,7 @@ template <class A, class... Commands> void take_homed(A& a, const Commands&... t
     take(a, declare_position{30 * pulse}, then...);
 }
 template <class A> void take_low_first(A& a) { take(a, set_word_order{word_order_setting::low_first}); }
-template <class A> void take_limited(A& a) { take(a, limit_travel{5000 * pulse, -5000 * pulse}); }
+template <class A> void take_limited(A& a) { take(a, limit_travel{-5000 * pulse, 5000 * pulse}); }
 template <class A> void take_over_homed(A& a) { take_homed(a, init{}); }
 template <class A> void be_released(A& a) { take(a, disable{}); }
 template <class A> void run(A& a) { take(a, velocity{60 * r_per_min, 30 * millisecond, 30 * millisecond}); }
@@ -135,7 +135,7 @@ template <class A> rows<A> commands_alike() {
         {"jog",                   take<A>,           command_to(velocity{60 * r_per_min}),                        runs<A>},
         {"bounded_jog",           take<A>,           command_to(bounded_jog{100 * pulse, brisk}),                  always<A>, 100},
         {"bounded_jog, stored",   take<A>,           command_to(bounded_jog{100 * pulse}),                         always<A>, 100},
-        {"hold",                  take<A>,           command_to(fast),                                       always<A>, fast.reach({.microsteps = 1000}).count()},
+        {"hold",                  take<A>,           command_to(fast),                                       always<A>, yako::reach(fast, {.microsteps = 1000}).count()},
         {"hold, going on",        keep_on<A>,        command_to(fast),                                       always<A>},
         {"declare_position",      take<A>,           command_to(declare_position{70'000 * pulse}),           is_homed<A>, 0},
         {"the same, low first",   take_low_first<A>, command_to(declare_position{70'000 * pulse}),           has_pair<A, 0x000A, 0x1170, 1>, 0},
@@ -153,7 +153,7 @@ template <class A> rows<A> commands_alike() {
         {"the same, absolute",    take_homed<A>,     command_to(set_input_move{70'000 * pulse, gentle, absolute}), has<A, 0x0050, 1>, 0},
         {"set_input",             be_released<A>,    command_to(set_input{input::x3, input_function::stop}), has<A, 0x0044, 5>, 0},
         {"set_output",            take<A>,           command_to(set_output{output::y1, output_function::user_0}), has<A, 0x004D, 9>, 0},
-        {"limit_travel",          take<A>,           command_to(limit_travel{7000 * pulse, -1 * pulse}),     has_pair<A, 0x0037, 0, 7000>, 0},
+        {"limit_travel",          take<A>,           command_to(limit_travel{-1 * pulse, 7000 * pulse}),     has_pair<A, 0x0037, 0, 7000>, 0},
         {"unlimit_travel",        take_limited<A>,   command_to(unlimit_travel{}),                           has<A, 0x0018, 0>, 0},
         {"set_over_travel_stop",  take<A>,           command_to(set_over_travel_stop{static_cast<over_travel_stop>(1)}), has<A, 0x0017, 1>, 0},
         {"set_word_order",        take<A>,           command_to(set_word_order{word_order_setting::low_first}),      has<A, 0x0019, 1>, 0},

@@ -57,7 +57,7 @@ template <operating_mode Mode, synchronisation Starts = synchronous> void enable
 }
 inline void run_at_speed(rig& r) {
     enabled_in<operating_mode::velocity>(r);
-    REQUIRE(r.drive.run(zlac8015d::velocity{90 * r_per_min, -90 * r_per_min}));
+    REQUIRE(r.drive.run(servobus::velocity{90 * r_per_min, -90 * r_per_min}));
     r.wire.pass(milliseconds(60));
 }
 inline void run_by_torque(rig& r) {
@@ -84,7 +84,7 @@ inline void run_unknown(rig& r) {
     REQUIRE(earlier.run(ramps{40 * millisecond, 40 * millisecond}));
     REQUIRE(earlier.run(quick_stop_ramp{40 * millisecond}));
     REQUIRE(earlier.run(enable{}));
-    REQUIRE(earlier.run(zlac8015d::velocity{90 * r_per_min, -90 * r_per_min}));
+    REQUIRE(earlier.run(servobus::velocity{90 * r_per_min, -90 * r_per_min}));
     r.wire.pass(milliseconds(60));
 }
 inline void look_late(rig& r) {
@@ -168,7 +168,7 @@ const row commands[] = {
     {"quick_stop, unknown",  run_unknown,                                 command_to(quick_stop{}),                       is_held},
     {"quick_stop, disabled", take,                                        command_to(quick_stop{}),                       rests},
     {"fault_reset",          have_had_a_fault,                            command_to(fault_reset{}),                      is_healthy},
-    {"velocity",             enabled_in<operating_mode::velocity>,        command_to(zlac8015d::velocity{50 * r_per_min, 70 * r_per_min}), has_pair<0x2088, 50, 70>},
+    {"velocity",             enabled_in<operating_mode::velocity>,        command_to(servobus::velocity{50 * r_per_min, 70 * r_per_min}), has_pair<0x2088, 50, 70>},
     {"left_velocity",        enabled_in<operating_mode::velocity>,        command_to(left_velocity{50 * r_per_min}),      has<0x2088, 50>},
     {"right_velocity",       enabled_in<operating_mode::velocity>,        command_to(right_velocity{70 * r_per_min}),     has<0x2089, 70>},
     {"clamped_velocity",     enabled_in<operating_mode::velocity>,        command_to(clamped_velocity{50 * r_per_min, 70 * r_per_min}), has_pair<0x2088, 50, 70>},

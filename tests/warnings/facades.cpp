@@ -76,7 +76,7 @@ loop_part loops(zlac8015d::drive<wire>& wheels, yako::closed_loop::drive<wire>& 
     driven.set({30_r_per_min, -30_r_per_min});
     wheels.line().sleep(driven.step());
     setpoint_loop moved{lift, take_over{disable{}}};
-    if (moved.begin(yako::move_by{500 * pulse}) != errc::ok && moved.reset_faults()) (void)moved.halt();
+    if (moved.begin(move_by{500 * pulse}) != errc::ok && moved.reset_faults()) (void)moved.halt();
     return driven.take_report().what;
 }
 
@@ -98,11 +98,11 @@ plane_pose go(wire& on, std::int32_t speed) {
     return robot.pose();
 }
 template <class Lift> micrometres raise(Lift& lift) {
-    (void)lift.run(travel_limits{.lowest = -2_mm, .highest = 200_mm});
-    if (lift.begin(travel_by{-0.4_mm, quick}) == errc::ok) lift.step();
-    const axis_arrival a = lift.run(travel_to{125.5_mm, quick}, wait_reached{});
+    (void)lift.run(limit_travel{-2_mm, 200_mm});
+    if (lift.begin(move_by{-0.4_mm, quick}) == errc::ok) lift.step();
+    const axis_arrival a = lift.run(move_to{125.5_mm, quick}, wait_reached{});
     if (a.how != arrival_state::reached) return a.missing;
-    if (!lift.run(declare_place{0_mm})) return {};
+    if (!lift.run(declare_position{0_mm})) return {};
     return lift.position(milliseconds(100)).value_or({});
 }
 micrometres raise_closed(wire& on) {
@@ -117,15 +117,15 @@ micrometres_per_second press(wire& on) {
     c630s::axis_drive servo{on, 4, ram, without_watchdog, c630s::encoder_counts::of_23_bits};
     if (!servo.run(c630s::axis_segment{1, 75_mm, 50_mm_per_s, 100_ms})) return {};
     if (servo.run(c630s::start_segment{1}, wait_reached{}).how == arrival_state::reached)
-        (void)servo.run(travel_at{10_mm_per_s});
+        (void)servo.run(velocity{10_mm_per_s});
     return servo.geometry().speed_of(servo.geometry().motor_speed_of(1_mm_per_s).value_or({}));
 }
 micrometres move_belts(wire& on) {
     zlac8015d::axes belts{on, 5, ram, screw, {.command_timeout = 300_ms}};
-    if (belts.left().begin(travel_at{10_mm_per_s}) != errc::ok) return {};
-    if (!belts.right().run(travel_to{10_mm})) return belts.right().arrival().missing;
+    if (belts.left().begin(velocity{10_mm_per_s}) != errc::ok) return {};
+    if (!belts.right().run(move_to{10_mm})) return belts.right().arrival().missing;
     if (belts.left().speed(milliseconds(100)).value_or({}) > 5_mm_per_s) return {};
-    const axis_arrival a = belts.left().run(travel_by{10_mm}, wait_reached{});
+    const axis_arrival a = belts.left().run(move_by{10_mm}, wait_reached{});
     return a.how == arrival_state::reached ? belts.left().position(milliseconds(100)).value_or({})
                                            : a.missing;
 }

@@ -88,14 +88,14 @@ template <class Command, class Drive> bool is_explained(const Drive& drive, cons
 }
 bool explain(const winch::drive<scheduled_line<sim::virtual_line>>& drum,
              const zlac8015d::drive<scheduled_line<sim::virtual_line>>& wheels) {
-    return is_explained(drum, winch::turn{}) && is_explained(wheels, zlac8015d::velocity{});
+    return is_explained(drum, winch::turn{}) && is_explained(wheels, zlac8015d::wheel_velocities{});
 }
 bool explain(const yako::open_loop::drive<scheduled_line<sim::virtual_line>>& axis,
              const c630s::drive<scheduled_line<sim::virtual_line>>& servo) {
     return is_explained(axis, yako::open_loop::home{yako::homing::home_24}) &&
            is_explained(servo, c630s::set<c630s::di1_function>{checked(c630s::input_function::none)});
 }
-const char* what_failed(const zlac8015d::velocity&, const command_status& r) {
-    return r.has_register() && r.register_address() == 0x2088 ? command_text<zlac8015d::velocity>
+const char* what_failed(const zlac8015d::wheel_velocities&, const command_status& r) {
+    return r.has_register() && r.register_address() == 0x2088 ? command_text<zlac8015d::wheel_velocities>
                                                               : text(step::kind::confirm);
 }

@@ -314,19 +314,19 @@ void drive(const char* name) {
     check(ramp && ramp->count() == 321, "the ramp reads back");
 
     zlac8015d::drive<wire> both{on, 1, {.command_timeout = milliseconds(1000)}};
-    check(static_cast<bool>(both.run(zlac8015d::init{})), "init");
-    check(static_cast<bool>(both.run(zlac8015d::enable{})), "enable");
-    check(static_cast<bool>(both.run(zlac8015d::velocity{30 * r_per_min, -20 * r_per_min})), "velocity");
+    check(static_cast<bool>(both.run(init{})), "init");
+    check(static_cast<bool>(both.run(enable{})), "enable");
+    check(static_cast<bool>(both.run(velocity{30 * r_per_min, -20 * r_per_min})), "velocity");
     bool turns = false;
     const instant start = port.now();
     while (!turns && since(start, port.now()) < milliseconds(10'000)) {
-        if (!both.run(zlac8015d::velocity{30 * r_per_min, -20 * r_per_min})) break;
+        if (!both.run(velocity{30 * r_per_min, -20 * r_per_min})) break;
         const auto f = both.read();
         turns = f && f->left_speed.count() > 200 && f->right_speed.count() < -100;
         port.wait(milliseconds(20));
     }
     check(turns, "its feedback shows that the wheels turn");
-    check(static_cast<bool>(both.run(zlac8015d::disable{})), "disable");
+    check(static_cast<bool>(both.run(disable{})), "disable");
 }
 
 int look(const char* name) {

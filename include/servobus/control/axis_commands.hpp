@@ -1,18 +1,20 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// The commands of an axis, in lengths and speeds of the machine. The `axis_drive` of each device makes commands of the
-// drive's own of them; its page says what differs. Programs get it with the header of that facade.
+// The commands of an axis: those of control/motion_commands.hpp in lengths and speeds of the machine. The `axis_drive`
+// of each device makes commands of the drive's own of them; its page says what differs. Programs get it with the header
+// of that facade.
 //
-//     if (!lift.run(travel_limits{.lowest = -2_mm, .highest = 200_mm})) return 1;
+//     if (!lift.run(limit_travel{-2_mm, 200_mm})) return 1;
 //     constexpr axis_profile fast{.top = 50_mm_per_s, .acceleration = 200_ms, .deceleration = 200_ms};
-//     const axis_arrival there = lift.run(travel_to{125.5_mm, fast}, wait_reached{});
-//     if (there.how != arrival_state::reached) std::printf("%ld um missing\n", long(there.missing.count()));
+//     const axis_arrival there = lift.run(move_to{125.5_mm, fast}, wait_reached{});
+//     if (!there) std::printf("%ld um missing\n", long(there.missing.count()));
 #pragma once
 
 #include <cstdint>
 
 #include <servobus/axis/axis.hpp>
+#include <servobus/control/motion_commands.hpp>
 #include <servobus/control/states.hpp>
 
 namespace servobus {
@@ -36,48 +38,23 @@ struct axis_profile {
     }
 };
 
-/// Moves to a place, to the nearest count.
-struct travel_to {
-    micrometres place;
-    axis_profile by{};
-};
+/// What a length is: the rules of a move of an axis. `move_to{place}` is by the profile that the drive holds,
+/// `move_to{place, profile}` by another one, which may be written in braces. A place is rounded to the nearest count.
+/// What a way, `move_by`, leaves when it is rounded goes into the next one: a thousand moves do not drift. That is
+/// carried once the move has begun, and forgotten where the position is counted from elsewhere.
+template <unit U, class Rep>
+requires(detail::same_kind(U, units::micrometre)) move_to(quantity<U, Rep>, axis_profile = {})
+->move_to<detail::kept<quantity<U, Rep>>, axis_profile>;
+template <unit U, class Rep>
+requires(detail::same_kind(U, units::micrometre)) move_by(quantity<U, Rep>, axis_profile = {})
+->move_by<detail::kept<quantity<U, Rep>>, axis_profile>;
 
-/// Moves by a way; its sign is the direction. What rounding to counts leaves goes into the next one: a thousand moves
-/// do not drift. It is carried once the move has begun, and forgotten where the position is counted from elsewhere.
-struct travel_by {
-    micrometres way;
-    axis_profile by{};
-};
-
-/// Moves at a speed until another command; its sign is the direction. To the nearest count of the drive's speed.
-struct travel_at {
-    micrometres_per_second speed;
-};
-
-/// Moves at a speed while the program repeats it, as the drive's own `hold`; `halt` ends it. `every`: the longest time
-/// from one command to the next.
-struct hold_at {
-    micrometres_per_second speed;
-    duration every;
-};
-
-/// Limits the travel by software. From the factory a YAKO frees its motor beyond a limit: `yako::set_over_travel_stop`.
-/// Errors: `bad_argument` if `lowest` is not below `highest`.
-struct travel_limits {
-    micrometres lowest;
-    micrometres highest;
-};
-
-/// Says that the axis, where it stands, is at `place`.
-struct declare_place {
-    micrometres place;
-};
-
-// No take-over has them.
-void moves_or_energises(const travel_to*);
-void moves_or_energises(const travel_by*);
-void moves_or_energises(const travel_at*);
-void moves_or_energises(const hold_at*);
+/// The moves of an axis, as their type.
+using axis_move_to = move_to<micrometres, axis_profile>;
+using axis_move_by = move_by<micrometres, axis_profile>;
+/// A speed of an axis, to the nearest count of the drive's speed; and one that is held.
+using axis_velocity = velocity<micrometres_per_second>;
+using axis_hold = hold<micrometres_per_second, duration>;
 
 /// Where the last move of an axis has come to.
 struct [[nodiscard]] axis_arrival {

@@ -44,7 +44,7 @@ template <class Drive> class axis_facade : public Drive {
     constexpr const axis& geometry() const { return this->model().place().geometry(); }
 
     /// As the drive's own, also for the commands of an axis.
-    template <class Wanted> command_status run(const Wanted& wanted) {
+    template <class Wanted> [[gnu::always_inline]] command_status run(const Wanted& wanted) {
         if constexpr (detail::axis_planned<Wanted, settings>) {
             return Drive::run(with_geometry(wanted));
         } else {
@@ -55,7 +55,7 @@ template <class Drive> class axis_facade : public Drive {
     template <commands::made_of_commands Wanted> command_status run(const Wanted& wanted) {
         return wanted.run_by(*this, [this](const auto& part) { return this->run(part); });
     }
-    template <class Wanted> constexpr command_status begin(const Wanted& wanted) {
+    template <class Wanted> [[gnu::always_inline]] constexpr command_status begin(const Wanted& wanted) {
         if constexpr (detail::axis_planned<Wanted, settings>) {
             return Drive::begin(with_geometry(wanted));
         } else {
@@ -77,7 +77,7 @@ template <class Drive> class axis_facade : public Drive {
     constexpr axis_arrival arrival(const wait_reached&) const { return arrival(); }
 
     /// Where the axis is, by feedback that is at most `oldest` old. It goes on where the drive's own position wraps,
-    /// and is counted from elsewhere after `init`, a restart, a homing, `declare_place`. Errors: as `feedback`.
+    /// and is counted from elsewhere after `init`, a restart, a homing, `declare_position`. Errors: as `feedback`.
     constexpr result<micrometres> position(duration oldest) const {
         const auto seen = Drive::feedback(oldest);
         if (!seen) return seen.error();

@@ -4,7 +4,7 @@
 // How a command ended, and where: at which step, register or terminal, and of a take-over in which part. `begin`, `run`
 // and `last()` of a facade return it.
 //
-//     const command_status moved = wheels.run(zlac8015d::move_by{4096 * pulse, 4096 * pulse});
+//     const command_status moved = wheels.run(move_by{4096 * pulse, 4096 * pulse});
 //     if (!moved && moved.has_register()) // 208Ah: the targets, 200Eh: the start
 //         std::printf("%s, at %04Xh\n", text(moved.error()), moved.register_address());
 #pragma once

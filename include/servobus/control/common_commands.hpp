@@ -11,6 +11,8 @@
 //     }
 #pragma once
 
+#include <type_traits>
+
 #include <servobus/core/time.hpp>
 
 namespace servobus {
@@ -53,6 +55,17 @@ struct wait_reached {
 /// Reads the drive's feedback.
 struct read_feedback {};
 
+namespace detail {
+template <class Command, class Settings>
+concept prepares_itself = requires(const Command& wanted, const Settings& known) {
+    wanted.prepare(known);
+};
+template <class Command, class Settings>
+concept prepared_by_device = requires(const Command& wanted, const Settings& known) {
+    prepare(wanted, known);
+};
+} // namespace detail
+
 namespace commands {
 /// A command that is made of others, which a facade runs one after the other, such as `take_over`.
 template <class Wanted>
@@ -60,15 +73,28 @@ concept made_of_commands = requires {
     requires Wanted::is_made_of_commands;
 };
 
-/// A command made ready by its own `plan`, or, for a common one, by the device's.
+/// A command in the units of the drive with these settings, by the device's `in_units_of`. A facade calls it where the
+/// program names the command, so that a constant speed stays a constant.
+template <class Settings, class Command>
+[[gnu::always_inline]] constexpr decltype(auto) in_units_of_drive(const Command& wanted) {
+    if constexpr (requires { in_units_of(wanted, static_cast<const Settings*>(nullptr)); })
+        return in_units_of(wanted, static_cast<const Settings*>(nullptr));
+    else
+        return (wanted);
+}
+
+/// A command made ready by its own `prepare`, or by the device's.
 template <class Command, class Settings>
 constexpr auto prepared(const Command& wanted, const Settings& known) {
-    if constexpr (requires { wanted.prepare(known); }) {
-        return wanted.prepare(known);
+    const auto& own = in_units_of_drive<Settings>(wanted);
+    using form = std::remove_cvref_t<decltype(own)>;
+    if constexpr (detail::prepares_itself<form, Settings>) {
+        return own.prepare(known);
+    } else if constexpr (detail::prepared_by_device<form, Settings>) {
+        return prepare(own, known);
     } else {
-        static_assert(
-            requires { prepare(wanted, known); }, "this drive has no such command");
-        return prepare(wanted, known);
+        static_assert(sizeof(Command) == 0, "this drive has no such command");
+        return prepare(init{}, known); // no second error follows
     }
 }
 } // namespace commands

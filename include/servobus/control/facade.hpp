@@ -6,7 +6,7 @@
 // Its machine decides (control/drive_machine.hpp); the facade moves the machine's frames over a line. The `drive.hpp`
 // of each device derives from it and describes the drive by a model.
 //
-//     if (!wheels.begin(zlac8015d::velocity{30 * r_per_min, 30 * r_per_min})) return 1;
+//     if (!wheels.begin(velocity{30 * r_per_min, 30 * r_per_min})) return 1;
 //     while (!wheels.is_idle()) wheels.step(); // in your loop, between your other work
 //     if (!wheels.last()) std::puts(text(wheels.last().error()));
 #pragma once
@@ -72,15 +72,8 @@ template <class Model, class Line> class facade {
 
     /// Runs a command to its end. Waits; bounded by the routine's limits. The command timeout begins again
     /// meanwhile. Errors: the command's own; `preempted` if a stop replaced it.
-    template <class Wanted> command_status run(const Wanted& wanted) {
-        prepared_command next = planned(wanted);
-        if constexpr (changes_cached_settings<Wanted>) {
-            const command_status how = run_planned(next);
-            if (how.outcome() != outcome::not_sent) note_change();
-            return how;
-        } else {
-            return run_planned(next);
-        }
+    template <class Wanted> [[gnu::always_inline]] command_status run(const Wanted& wanted) {
+        return run_own(commands::in_units_of_drive<settings>(wanted));
     }
     /// Runs a command that is made of others, such as `take_over`. Waits. Returns which of them failed, and how.
     template <commands::made_of_commands Wanted> command_status run(const Wanted& wanted) {
@@ -93,13 +86,8 @@ template <class Model, class Line> class facade {
     /// for a feedback period shorter than its frames. It is also for a drive that its bus refuses, and for a plan with
     /// neither steps nor a refusal. A command that only the command timeout ends (`needs_command_timeout`) gets it
     /// where there is none.
-    template <class Wanted> constexpr command_status begin(const Wanted& wanted) {
-        prepared_command next = planned(wanted);
-        const errc refusal = accept(next);
-        if constexpr (changes_cached_settings<Wanted>) {
-            if (refusal == errc::ok) note_change();
-        }
-        return refusal;
+    template <class Wanted> [[gnu::always_inline]] constexpr command_status begin(const Wanted& wanted) {
+        return begin_own(commands::in_units_of_drive<settings>(wanted));
     }
 
     /// Moves on without waiting: the command under way, the feedback that is due, the checks of the
@@ -196,6 +184,25 @@ template <class Model, class Line> class facade {
         else
             return false;
     }();
+    // A command in the units of the drive.
+    template <class Wanted> command_status run_own(const Wanted& wanted) {
+        prepared_command next = planned(wanted);
+        if constexpr (changes_cached_settings<Wanted>) {
+            const command_status how = run_planned(next);
+            if (how.outcome() != outcome::not_sent) note_change();
+            return how;
+        } else {
+            return run_planned(next);
+        }
+    }
+    template <class Wanted> constexpr command_status begin_own(const Wanted& wanted) {
+        prepared_command next = planned(wanted);
+        const errc refusal = accept(next);
+        if constexpr (changes_cached_settings<Wanted>) {
+            if (refusal == errc::ok) note_change();
+        }
+        return refusal;
+    }
     // Another facade of the drive has stale settings from now on.
     constexpr void note_change() {
         line_->note_change(address());

@@ -5,7 +5,7 @@
 // author of a drive declares those whose plan does not show it.
 //
 //     static_assert(!may_move<zlac8015d::model, zlac8015d::ramps>);
-//     static_assert(may_move<zlac8015d::model, zlac8015d::velocity> && may_move<zlac8015d::model, enable>);
+//     static_assert(may_move<zlac8015d::model, zlac8015d::wheel_velocities> && may_move<zlac8015d::model, enable>);
 #pragma once
 
 #include <servobus/core/cxx20.hpp>

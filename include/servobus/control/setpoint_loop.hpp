@@ -5,7 +5,7 @@
 // every period, and reports each end once. It resets faults and energises only after a consent that the program gives
 // each time. Programs that step a facade include it.
 //
-//     setpoint_loop loop{wheels, take_over{}, enable{}, setpoints<zlac8015d::velocity>{}};
+//     setpoint_loop loop{wheels, take_over{}, enable{}, setpoints<zlac8015d::wheel_velocities>{}};
 //     loop.enable();                              // a consent: the operator has pressed the button
 //     loop.set({30 * r_per_min, 30 * r_per_min}); // the latest setpoint, in each iteration
 //     wire.sleep(loop.step());                    // on a bus: all.step(), then loop.command()
@@ -46,7 +46,8 @@ struct no_setpoints {
 
 /// A drive in a loop that never waits. It refers to the drive; nothing else commands the drive meanwhile.
 ///
-///     setpoint_loop loop{wheels, take_over{zlac8015d::resolution{10}}, enable{}, setpoints<zlac8015d::velocity>{}};
+///     constexpr take_over set_up{zlac8015d::resolution{10}};
+///     setpoint_loop loop{wheels, set_up, enable{}, setpoints<zlac8015d::wheel_velocities>{}};
 ///
 /// **Motion never begins by itself.** The program's `enable()` allows it once the drive is enabled. It ends with a stop
 /// through the loop, a fault, a wired stop or limit switch, or a setpoint that was not carried out. It also ends with a

@@ -5,7 +5,7 @@
 // states in which the command is possible. It plans the command again, so the facade stores nothing. Programs include
 // the `arguments.hpp` of their device, which includes this header.
 //
-//     constexpr zlac8015d::velocity fast{900 * r_per_min, 0 * r_per_min};
+//     constexpr velocity fast{900 * r_per_min, 0 * r_per_min};
 //     if (!wheels.begin(fast)) { // asked before another call of the drive
 //         const command_argument a = why(wheels, fast).argument;
 //         std::printf("%04Xh takes %ld..%ld\n", unsigned{a.address}, long(a.limits.low), long(a.limits.high));
@@ -234,7 +234,8 @@ constexpr void find_states(refusal& r, const Command& wanted, const Settings& kn
 namespace commands {
 /// Returns why a command is refused with these settings.
 template <class Command, class Settings>
-constexpr refusal refusal_of(const Command& wanted, const Settings& known) {
+constexpr refusal refusal_of(const Command& any, const Settings& known) {
+    const auto& wanted = in_units_of_drive<Settings>(any);
     refusal r;
     const auto planned = commands::prepared(wanted, known);
     r.error = commands::first_error(planned.refusal, detail::error_after(planned, known));

@@ -7,8 +7,8 @@
 //
 //     auto turn(auto& wire) { // on a line
 //         c630s::drive servo{wire, 1};
-//         return servo.run(c630s::init{}) && servo.run(enable{}) &&
-//                servo.run(c630s::velocity{300 * units::r_per_min});
+//         return servo.run(init{}) && servo.run(enable{}) &&
+//                servo.run(velocity{300 * units::r_per_min});
 //     }
 #pragma once
 

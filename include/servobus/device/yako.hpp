@@ -7,8 +7,8 @@
 //
 //     auto advance(auto& wire) { // on a line
 //         yako::closed_loop::drive axis{wire, 1};
-//         return axis.run(yako::init{}) && axis.run(yako::enable{}) &&
-//                axis.run(yako::move_by{5000 * units::pulse}) && axis.run(yako::wait_standstill{});
+//         return axis.run(init{}) && axis.run(enable{}) &&
+//                axis.run(move_by{5000 * units::pulse}) && axis.run(wait_standstill{});
 //     }
 #pragma once
 

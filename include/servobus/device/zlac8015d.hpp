@@ -7,8 +7,8 @@
 //
 //     auto roll(auto& wire) { // on a line
 //         zlac8015d::drive wheels{wire, 1, {.command_timeout = milliseconds(500)}};
-//         return wheels.run(zlac8015d::init{}) && wheels.run(zlac8015d::enable{}) &&
-//                wheels.run(zlac8015d::velocity{30 * units::r_per_min, -30 * units::r_per_min});
+//         return wheels.run(init{}) && wheels.run(enable{}) &&
+//                wheels.run(velocity{30 * units::r_per_min, -30 * units::r_per_min});
 //     }
 #pragma once
 

@@ -23,6 +23,6 @@ inline int unanswered() {
     yako::closed_loop::drive axis{wire, 2};
     c630s::drive servo{wire, 3};
     const auto is_unanswered = [](errc error) { return error == errc::timeout; };
-    return is_unanswered(wheels.run(zlac8015d::init{}).error()) +
-           is_unanswered(axis.run(yako::init{}).error()) + is_unanswered(servo.run(c630s::init{}).error());
+    return is_unanswered(wheels.run(init{}).error()) + is_unanswered(axis.run(init{}).error()) +
+           is_unanswered(servo.run(init{}).error());
 }

@@ -160,10 +160,10 @@ template <const auto& Plan> std::uint64_t share_of_the_possible(std::uint32_t ba
 TEST_CASE(
     "a bus reads feedback and registers at the rates of its plan, with commands of two drives between") {
     rig r;
-    REQUIRE(r.command(r.wheels, zlac8015d::init{}));
-    REQUIRE(r.command(r.lift, yako::init{}));
+    REQUIRE(r.command(r.wheels, init{}));
+    REQUIRE(r.command(r.lift, init{}));
     REQUIRE(r.command(r.wheels, zlac8015d::enable_in{zlac8015d::operating_mode::velocity}));
-    REQUIRE(r.command(r.wheels, zlac8015d::velocity{30 * r_per_min, 30 * r_per_min}));
+    REQUIRE(r.command(r.wheels, velocity{30 * r_per_min, 30 * r_per_min}));
     r.run(100);
     const std::uint32_t before[] = {r.all.count(0), r.all.count(1), r.all.count(2)};
     const std::size_t seen = r.requests.size();
@@ -201,7 +201,7 @@ TEST_CASE("S1: a bus sends nothing to a drive of which nothing is known") {
     CHECK(r.requests.empty());
     CHECK(r.all.latest<zlac8015d::bus_voltage>(wheels_node, milliseconds(1000)).error() == errc::needs_init);
     CHECK(r.wheels.feedback(milliseconds(1000)).error() == errc::needs_init);
-    REQUIRE(r.command(r.lift, yako::init{}));
+    REQUIRE(r.command(r.lift, init{}));
     const std::size_t after = r.requests.size();
     r.run(1000);
     CHECK(r.requests.size() > after + 30);
@@ -222,8 +222,8 @@ TEST_CASE("keeps_alive() changes nothing of a read but its keep-alive") {
 
 TEST_CASE("G36: a value becomes stale, and none from before a restart is delivered after it") {
     rig r;
-    REQUIRE(r.command(r.wheels, zlac8015d::init{}));
-    REQUIRE(r.command(r.lift, yako::init{}));
+    REQUIRE(r.command(r.wheels, init{}));
+    REQUIRE(r.command(r.lift, init{}));
     CHECK(r.all.latest<yako::actual_position>(lift_node, milliseconds(1000)).error() ==
           errc::timeout); // none was read yet
     r.run(300);
@@ -247,7 +247,7 @@ TEST_CASE("G36: a value becomes stale, and none from before a restart is deliver
     CHECK(r.lift.state() == yako::drive_state::needs_init);
     CHECK(r.all.latest<yako::actual_position>(lift_node, milliseconds(100'000)).error() == errc::needs_init);
     CHECK(r.lift.feedback(milliseconds(100'000)).error() == errc::needs_init);
-    REQUIRE(r.lift.begin(yako::init{}) == errc::ok);
+    REQUIRE(r.lift.begin(init{}) == errc::ok);
     const std::uint64_t begun = r.wire.time_us();
     for (tests::loop_bound left{"the end of a command"}; !r.lift.is_idle(); left.use()) {
         r.turn();
@@ -263,21 +263,20 @@ TEST_CASE("G25: a stop has left within the plan's bound, whatever else is in pro
     std::uint64_t longest = 0;
     for (std::uint32_t offset = 0; offset < 60; ++offset) {
         rig r;
-        REQUIRE(r.command(r.wheels, zlac8015d::init{}));
-        REQUIRE(r.command(r.lift, yako::init{}));
+        REQUIRE(r.command(r.wheels, init{}));
+        REQUIRE(r.command(r.lift, init{}));
         REQUIRE(r.command(r.wheels, zlac8015d::enable_in{zlac8015d::operating_mode::velocity}));
-        REQUIRE(r.command(r.wheels, zlac8015d::velocity{30 * r_per_min, 30 * r_per_min}));
+        REQUIRE(r.command(r.wheels, velocity{30 * r_per_min, 30 * r_per_min}));
         if (offset % 2 == 1) r.wire.set_connected(1, false); // the lift does not respond
         r.run(50);
-        (void)r.lift.begin(yako::enable{});
+        (void)r.lift.begin(enable{});
         const std::uint64_t until = r.wire.time_us() + offset * 1777u;
         while (r.wire.time_us() < until) r.turn();
-        (void)r.wheels.begin(
-            zlac8015d::velocity{20 * r_per_min, 20 * r_per_min}); // may still wait for the line
+        (void)r.wheels.begin(velocity{20 * r_per_min, 20 * r_per_min}); // may still wait for the line
         for (std::uint32_t i = 0; i < offset % 5; ++i) r.turn();
         std::size_t first = r.requests.size();
         const std::uint64_t ordered = r.wire.time_us();
-        REQUIRE(r.wheels.begin(zlac8015d::quick_stop{}) == errc::ok);
+        REQUIRE(r.wheels.begin(quick_stop{}) == errc::ok);
         for (tests::loop_bound left{"the end of a command"}; !r.wheels.is_idle(); left.use()) r.turn();
         CHECK(r.wheels.last());
         while (first < r.requests.size() && !is_stop(r.requests[first].data)) ++first;
@@ -296,13 +295,13 @@ TEST_CASE("G25: the bound of a stop also holds when a program runs the bus in co
             CAPTURE(slice);
             CAPTURE(offset);
             rig r;
-            REQUIRE(r.command(r.lift, yako::init{}));
+            REQUIRE(r.command(r.lift, init{}));
             const auto run_on = [&] { r.all.run_for(microseconds(slice)); };
             const std::uint64_t begin = r.wire.time_us() + 200'000 + offset * 1087;
             while (r.wire.time_us() < begin) run_on();
             std::size_t first = r.requests.size();
             const std::uint64_t ordered = r.wire.time_us();
-            REQUIRE(r.wheels.begin(zlac8015d::quick_stop{}) == errc::ok);
+            REQUIRE(r.wheels.begin(quick_stop{}) == errc::ok);
             for (tests::loop_bound left{"the end of a command"}; !r.wheels.is_idle(); left.use()) run_on();
             while (first < r.requests.size() && !is_stop(r.requests[first].data)) ++first;
             REQUIRE(first < r.requests.size());
@@ -319,11 +318,11 @@ TEST_CASE("G25: a stop is the next frame also if the program pauses between its 
             CAPTURE(pause_ms);
             CAPTURE(ms);
             rig r;
-            REQUIRE(r.command(r.wheels, zlac8015d::init{}));
-            REQUIRE(r.command(r.lift, yako::init{}));
-            REQUIRE(r.command(r.lift, yako::enable{}));
+            REQUIRE(r.command(r.wheels, init{}));
+            REQUIRE(r.command(r.lift, init{}));
+            REQUIRE(r.command(r.lift, enable{}));
             r.run(100 + ms);
-            REQUIRE(r.lift.begin(yako::quick_stop{}) == errc::ok);
+            REQUIRE(r.lift.begin(quick_stop{}) == errc::ok);
             r.wire.pass(milliseconds(pause_ms));
             const std::size_t before = r.requests.size();
             while (r.requests.size() == before || r.requests[before].data.size() < 2) r.turn();
@@ -336,17 +335,17 @@ TEST_CASE("G25: a stop is the next frame also if the program pauses between its 
 TEST_CASE("G19: a drive with a watchdog gets a request in time, whichever other drives are absent") {
     for (std::uint64_t seed = 1; seed <= 6; ++seed) {
         rig r;
-        REQUIRE(r.command(r.wheels, zlac8015d::init{}));
-        REQUIRE(r.command(r.lift, yako::init{}));
+        REQUIRE(r.command(r.wheels, init{}));
+        REQUIRE(r.command(r.lift, init{}));
         REQUIRE(r.command(r.wheels, zlac8015d::watchdog{1000 * millisecond}));
         REQUIRE(r.command(r.wheels, zlac8015d::enable_in{zlac8015d::operating_mode::velocity}));
-        REQUIRE(r.command(r.wheels, zlac8015d::velocity{30 * r_per_min, 30 * r_per_min}));
+        REQUIRE(r.command(r.wheels, velocity{30 * r_per_min, 30 * r_per_min}));
         sim::dice random{seed};
         std::uint64_t last = r.wire.time_us();
         std::uint64_t longest = 0;
         for (int i = 0; i < 40; ++i) {
             r.wire.set_connected(1, random.below(3) != 0);
-            if (random.below(2) == 0 && r.lift.is_idle()) (void)r.lift.begin(yako::init{});
+            if (random.below(2) == 0 && r.lift.is_idle()) (void)r.lift.begin(init{});
             const std::size_t seen = r.requests.size();
             r.run(100 + random.below(400));
             for (std::size_t k = seen; k < r.requests.size(); ++k) {
@@ -367,8 +366,8 @@ TEST_CASE("G28: an absent drive costs the others no more than the plan states, a
     constexpr std::uint32_t seconds = 10;
     for (std::uint32_t offset = 0; offset < 20; ++offset) {
         rig r;
-        REQUIRE(r.command(r.wheels, zlac8015d::init{}));
-        REQUIRE(r.command(r.lift, yako::init{}));
+        REQUIRE(r.command(r.wheels, init{}));
+        REQUIRE(r.command(r.lift, init{}));
         r.run(500);
         r.wire.set_connected(1, false);
         r.run(2500 + 53 * offset);
@@ -415,12 +414,12 @@ TEST_CASE("G28: when all nodes are absent, each is found again within the stated
 
 TEST_CASE("G26: a stop without a confirmation is repeated until the drive confirms it") {
     rig r;
-    REQUIRE(r.command(r.wheels, zlac8015d::init{}));
+    REQUIRE(r.command(r.wheels, init{}));
     REQUIRE(r.command(r.wheels, zlac8015d::enable_in{zlac8015d::operating_mode::velocity}));
-    REQUIRE(r.command(r.wheels, zlac8015d::velocity{30 * r_per_min, 30 * r_per_min}));
+    REQUIRE(r.command(r.wheels, velocity{30 * r_per_min, 30 * r_per_min}));
     r.run(500);
     r.wire.set_connected(0, false);
-    const command_status stopped = r.command(r.wheels, zlac8015d::quick_stop{});
+    const command_status stopped = r.command(r.wheels, quick_stop{});
     CHECK(stopped.outcome() == outcome::unknown); // it ended at its time limit, like a blocking call (G29)
     CHECK(r.stops_in(3000) >= 5);
     CHECK(r.wheels_model.enabled());
@@ -432,11 +431,11 @@ TEST_CASE("G26: a stop without a confirmation is repeated until the drive confir
 
 TEST_CASE("G19, G26: stops that are repeated to an absent drive alternate with the reads") {
     rig r;
-    REQUIRE(r.command(r.wheels, zlac8015d::init{}));
-    REQUIRE(r.command(r.lift, yako::init{}));
+    REQUIRE(r.command(r.wheels, init{}));
+    REQUIRE(r.command(r.lift, init{}));
     r.run(500);
     r.wire.set_connected(1, false);
-    CHECK_FALSE(r.command(r.lift, yako::halt{}));
+    CHECK_FALSE(r.command(r.lift, halt{}));
     r.run(2000);
     const std::size_t seen = r.requests.size();
     r.run(10'000);
@@ -508,7 +507,7 @@ TEST_CASE(
     all.run_for(milliseconds(500));
     on.observer() = {};
     for (std::size_t i = 1; i < stations.size(); ++i) wire.set_connected(i, false);
-    for (auto* drive : {&two, &three, &four, &five}) REQUIRE(drive->begin(zlac8015d::halt{}) == errc::ok);
+    for (auto* drive : {&two, &three, &four, &five}) REQUIRE(drive->begin(halt{}) == errc::ok);
     std::uint64_t last = 0;
     std::uint64_t longest = 0;
     while (wire.time_us() < 12'000'000) {
@@ -533,19 +532,18 @@ TEST_CASE(
 
 TEST_CASE("a blocking command of one drive runs to its end while the bus continues its reads") {
     rig r;
-    REQUIRE(r.all.run(r.wheels, zlac8015d::init{}));
-    REQUIRE(r.all.run(r.lift, yako::init{}));
+    REQUIRE(r.all.run(r.wheels, init{}));
+    REQUIRE(r.all.run(r.lift, init{}));
     const std::uint32_t before = r.all.count(0);
     r.all.run_for(milliseconds(1000));
     CHECK(r.all.count(0) - before >= 19);
-    REQUIRE(r.all.run(r.lift, yako::enable{}));
-    const yako::arrival there = r.all.run(r.lift, yako::move_by{2000 * pulse}, yako::wait_reached{});
+    REQUIRE(r.all.run(r.lift, enable{}));
+    const yako::arrival there = r.all.run(r.lift, move_by{2000 * pulse}, wait_reached{});
     CHECK(there.how == arrival_state::reached);
     CHECK(r.lift_model.view().position == 2000);
     CHECK(r.all.count(0) - before >= 25);
     REQUIRE(r.all.run(r.wheels, zlac8015d::enable_in{zlac8015d::operating_mode::relative_position}));
-    const auto turned =
-        r.all.run(r.wheels, zlac8015d::move_by{4096 * pulse, -4096 * pulse}, zlac8015d::wait_reached{});
+    const auto turned = r.all.run(r.wheels, move_by{4096 * pulse, -4096 * pulse}, wait_reached{});
     CHECK(turned.how == arrival_state::reached);
 }
 
@@ -610,7 +608,7 @@ TEST_CASE("G28: a drive stays absent as long as it does not respond") {
 
 TEST_CASE("a blocking command that is refused before it sends anything does not step the bus") {
     rig r;
-    const command_status early = r.all.run(r.wheels, zlac8015d::velocity{30 * r_per_min, 30 * r_per_min});
+    const command_status early = r.all.run(r.wheels, velocity{30 * r_per_min, 30 * r_per_min});
     CHECK(early.outcome() == outcome::not_sent);
     CHECK(early.error() == errc::needs_init);
     CHECK(r.wheels.last().error() == errc::needs_init);

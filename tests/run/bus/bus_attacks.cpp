@@ -64,18 +64,18 @@ TEST_CASE(
     requests seen{m.wire};
     line_type on{m.wire, modbus::timing_at(115200)};
     lift_type lift{on, lift_node};
-    REQUIRE(lift.run(yako::init{}));
-    REQUIRE(lift.begin(yako::enable{}) == errc::ok);
+    REQUIRE(lift.run(init{}));
+    REQUIRE(lift.begin(enable{}) == errc::ok);
     auto all = make_bus<of_another_lift>(on, lift);
     loop(all, m.wire, 1000);
-    CHECK(lift.begin(yako::move_by{100 * pulse}) == errc::bad_argument);
+    CHECK(lift.begin(move_by{100 * pulse}) == errc::bad_argument);
     seen.all.clear();
     m.wire.set_connected(1, false);
     loop(all, m.wire, 2000);
     CHECK(seen.all.empty());
     CHECK_FALSE(lift.feedback(milliseconds(100)));
     m.wire.set_connected(1, true);
-    CHECK(all.run(lift, yako::disable{}));
+    CHECK(all.run(lift, disable{}));
     for (const auto& f : seen.all) CHECK(f[0] == 2);
 }
 
@@ -83,17 +83,17 @@ TEST_CASE("a bus runs no command of a drive that is not on it") {
     wheels_and_lift m;
     wheels_and_lift_program p{m.wire};
     lift_type other{p.on, responds_within(node<yako::closed_loop::device>{3}, milliseconds(30))};
-    CHECK(p.all.run(other, yako::init{}).error() == errc::bad_argument);
+    CHECK(p.all.run(other, init{}).error() == errc::bad_argument);
     CHECK(m.wire.requests() == 0);
 }
 
 TEST_CASE("G2, G22: feedback is not decoded in another word order than it was read in") {
     wheels_and_lift m;
     wheels_and_lift_program p{m.wire};
-    REQUIRE(p.command(p.lift, yako::init{}));
-    REQUIRE(p.command(p.lift, yako::enable{}));
-    REQUIRE(p.command(p.lift, yako::declare_position{0 * pulse}));
-    REQUIRE(p.command(p.lift, yako::move_by{300 * pulse}));
+    REQUIRE(p.command(p.lift, init{}));
+    REQUIRE(p.command(p.lift, enable{}));
+    REQUIRE(p.command(p.lift, declare_position{0 * pulse}));
+    REQUIRE(p.command(p.lift, move_by{300 * pulse}));
     p.run(1500);
     REQUIRE(p.lift.feedback(milliseconds(1000))->position == 300 * pulse);
     REQUIRE(p.lift.begin(yako::set_word_order{yako::word_order_setting::low_first}) == errc::ok);
@@ -113,17 +113,17 @@ TEST_CASE("G25: the stop of a command timeout has left within the plan's bound a
         wheels_and_lift m;
         requests seen{m.wire};
         wheels_and_lift_program p{m.wire};
-        REQUIRE(p.command(p.wheels, zlac8015d::init{}));
-        REQUIRE(p.command(p.lift, yako::init{}));
-        REQUIRE(p.command(p.lift, yako::enable{}));
+        REQUIRE(p.command(p.wheels, init{}));
+        REQUIRE(p.command(p.lift, init{}));
+        REQUIRE(p.command(p.lift, enable{}));
         p.lift.set_command_timeout(milliseconds(300));
-        REQUIRE(p.command(p.lift, yako::velocity{30 * r_per_min}));
+        REQUIRE(p.command(p.lift, velocity{30 * r_per_min}));
         m.wire.set_connected(0, false); // the wheels do not respond
         m.wire.pass(microseconds(k * 1277u));
         while (p.lift.is_idle()) p.turn();
         const std::uint64_t ordered = m.wire.time_us();
         const std::size_t before = seen.all.size();
-        CHECK(p.lift.begin(yako::init{}) == errc::ok);
+        CHECK(p.lift.begin(init{}) == errc::ok);
         std::size_t stop = before;
         const auto is_stop = [&](std::size_t i) {
             return seen.all[i][0] == 2 && seen.all[i][1] == 6 && seen.all[i][3] == 0x27;
@@ -167,9 +167,9 @@ TEST_CASE("G16: a response that arrived while the program paused is taken, with 
         wheels_and_lift m;
         requests seen{m.wire};
         wheels_and_lift_program p{m.wire};
-        REQUIRE(p.command(p.lift, yako::init{}));
+        REQUIRE(p.command(p.lift, init{}));
         const epoch before = p.on.epoch(2);
-        REQUIRE(p.lift.begin(yako::enable{}) == errc::ok);
+        REQUIRE(p.lift.begin(enable{}) == errc::ok);
         const auto turn = [&] {
             if (has_bus) return p.turn();
             const duration idle = p.lift.step();
@@ -197,12 +197,12 @@ TEST_CASE(
     lift_type lift{on, lift_node};
     auto all = make_bus<with_equal_times>(on, lift);
     lift.set_command_timeout(no_command_timeout);
-    REQUIRE(all.run(lift, yako::init{}));
-    REQUIRE(all.run(lift, yako::enable{}));
-    REQUIRE(all.run(lift, yako::velocity{30 * r_per_min}));
+    REQUIRE(all.run(lift, init{}));
+    REQUIRE(all.run(lift, enable{}));
+    REQUIRE(all.run(lift, velocity{30 * r_per_min}));
     all.run_for(milliseconds(300));
     m.wire.set_connected(1, false);
-    REQUIRE_FALSE(all.run(lift, yako::quick_stop{}));
+    REQUIRE_FALSE(all.run(lift, quick_stop{}));
     m.wire.set_connected(1, true);
     all.run_for(milliseconds(5000));
     CHECK_FALSE(m.lift_model.view().is_moving);
@@ -211,14 +211,14 @@ TEST_CASE(
 TEST_CASE("G26: a weaker stop that fails too leaves the stronger one to be repeated") {
     wheels_and_lift m;
     wheels_and_lift_program p{m.wire};
-    REQUIRE(p.command(p.lift, yako::init{}));
-    REQUIRE(p.command(p.lift, yako::enable{}));
+    REQUIRE(p.command(p.lift, init{}));
+    REQUIRE(p.command(p.lift, enable{}));
     m.wire.set_connected(1, false);
-    REQUIRE_FALSE(p.command(p.lift, yako::disable{}));
+    REQUIRE_FALSE(p.command(p.lift, disable{}));
     command_status refused = errc::busy;
     while (refused == errc::busy) {
         p.turn();
-        refused = p.lift.begin(yako::halt{});
+        refused = p.lift.begin(halt{});
     }
     for (tests::loop_bound left{"the end of a command"}; !p.lift.is_idle(); left.use()) p.turn();
     m.wire.set_connected(1, true);
@@ -230,14 +230,14 @@ TEST_CASE("G34: a move that was stopped short stays so for hours") {
     wheels_and_lift m;
     line_type on{m.wire, modbus::timing_at(115200)};
     lift_type lift{on, lift_node, unsupervised};
-    REQUIRE(lift.run(yako::init{}));
-    REQUIRE(lift.run(yako::enable{}));
-    REQUIRE(lift.begin(yako::move_by{3000 * pulse}) == errc::ok);
+    REQUIRE(lift.run(init{}));
+    REQUIRE(lift.run(enable{}));
+    REQUIRE(lift.begin(move_by{3000 * pulse}) == errc::ok);
     for (int i = 0; i < 400; ++i) {
         (void)lift.step();
         m.wire.pass(milliseconds(1));
     }
-    REQUIRE(lift.run(yako::quick_stop{}));
+    REQUIRE(lift.run(quick_stop{}));
     REQUIRE(lift.read());
     m.wire.pass(milliseconds(1000));
     REQUIRE(lift.read());
@@ -261,10 +261,10 @@ TEST_CASE("a drive that was not asked yet is not absent") {
     p.run(2000);
     CHECK_FALSE(p.wheels.is_absent());
     m.wire.set_connected(0, false);
-    CHECK_FALSE(p.command(p.wheels, zlac8015d::init{}));
+    CHECK_FALSE(p.command(p.wheels, init{}));
     CHECK(p.wheels.is_absent());
     m.wire.set_connected(0, true);
-    CHECK(p.command(p.wheels, zlac8015d::init{}));
+    CHECK(p.command(p.wheels, init{}));
     CHECK_FALSE(p.wheels.is_absent());
 }
 
@@ -295,7 +295,7 @@ TEST_CASE(
         };
         while (port.frames.empty()) (void)all.step();
         const std::uint64_t ordered = port.time;
-        REQUIRE(lift.begin(yako::quick_stop{}) == errc::ok);
+        REQUIRE(lift.begin(quick_stop{}) == errc::ok);
         while (port.frames.size() < 2 || !port.frames.back().complete) (void)all.step();
         CHECK(port.frames.back().end - ordered <= with_long_gaps.worst_case_stop_latency().us);
     }

@@ -132,7 +132,7 @@ TEST_CASE_TEMPLATE("G29: blocking calls of a bus end when the clock stops, whate
         r.stop_clock(after);
         r.run_for(1'000'000);
         CHECK_FALSE(r.port.ran_away);
-        const command_status stopped = r.all.run(r.wheels, zlac8015d::init{});
+        const command_status stopped = r.all.run(r.wheels, init{});
         CHECK_FALSE(r.port.ran_away);
         CHECK(stopped.error() == errc::clock_stopped);
         bool was_sent = false;
@@ -195,11 +195,11 @@ TEST_CASE(
             return bool{drive.last()};
         };
         wire.jumps_at = ~std::uint64_t{0};
-        REQUIRE(command(lift, yako::init{}));
-        REQUIRE(command(wheels, zlac8015d::init{}));
+        REQUIRE(command(lift, init{}));
+        REQUIRE(command(wheels, init{}));
         REQUIRE(command(wheels, zlac8015d::enable_in{zlac8015d::operating_mode::velocity}));
         run(20);
-        const zlac8015d::velocity slow{30 * r_per_min, 30 * r_per_min};
+        const velocity slow{30 * r_per_min, 30 * r_per_min};
         wire.jumps_at = wire.looks + looks;
         for (int i = 0; i < 10; ++i) {
             if (wheels.is_idle()) (void)wheels.begin(slow); // refused if the last response seems too long ago

@@ -45,9 +45,9 @@ TEST_CASE("G20, G36: a bus polls its drives and gives them its command timeout")
     line_type on{m.wire, modbus::timing_at(115200)};
     wheels_type wheels{on, wheels_node, by_plan}; // neither polled nor supervised by itself
     auto all = make_bus<of_wheels>(on, wheels);
-    REQUIRE(all.run(wheels, zlac8015d::init{}));
-    REQUIRE(all.run(wheels, zlac8015d::enable{}));
-    REQUIRE(all.run(wheels, zlac8015d::velocity{50 * r_per_min, 50 * r_per_min}));
+    REQUIRE(all.run(wheels, init{}));
+    REQUIRE(all.run(wheels, enable{}));
+    REQUIRE(all.run(wheels, velocity{50 * r_per_min, 50 * r_per_min}));
     loop(all, m.wire, 250);
     CHECK(wheels.feedback(milliseconds(25)));
     CHECK_FALSE(m.wheels_model.stands_still());
@@ -61,20 +61,20 @@ TEST_CASE("G20: a blocking command of a bus is a sign of life for its own drive,
     wheels_type wheels{on, wheels_node, by_plan};
     yako::closed_loop::drive lift{on, tests::lift_node};
     auto all = make_bus<of_both>(on, wheels, lift);
-    REQUIRE(all.run(wheels, zlac8015d::init{}));
-    REQUIRE(all.run(lift, yako::init{}));
-    REQUIRE(all.run(lift, yako::enable{}));
-    REQUIRE(all.run(wheels, zlac8015d::enable{}));
-    REQUIRE(all.run(wheels, zlac8015d::velocity{50 * r_per_min, 50 * r_per_min}));
+    REQUIRE(all.run(wheels, init{}));
+    REQUIRE(all.run(lift, init{}));
+    REQUIRE(all.run(lift, enable{}));
+    REQUIRE(all.run(wheels, enable{}));
+    REQUIRE(all.run(wheels, velocity{50 * r_per_min, 50 * r_per_min}));
     SUBCASE("a wait for the wheels, which turn on for all of it") {
         loop(all, m.wire, 100); // they have begun to turn
-        CHECK(all.run(wheels, zlac8015d::wait_standstill{}).error() == errc::not_reached);
+        CHECK(all.run(wheels, wait_standstill{}).error() == errc::not_reached);
         CHECK_FALSE(m.wheels_model.stands_still());
         loop(all, m.wire, 1500);
     }
     SUBCASE("a long move of the lift") {
         const std::uint64_t begun = m.wire.time_us();
-        const auto there = all.run(lift, yako::move_by{20'000 * pulse}, yako::wait_reached{});
+        const auto there = all.run(lift, move_by{20'000 * pulse}, wait_reached{});
         CHECK(there.how == arrival_state::reached);
         REQUIRE(m.wire.time_us() - begun > 1'500'000);
     }
@@ -88,7 +88,7 @@ TEST_CASE("a bus refuses a drive on another line, and polls it no more") {
     line_type elsewhere{there.wire, modbus::timing_at(115200)};
     wheels_type wheels{
         elsewhere, wheels_node, {.feedback = milliseconds(20), .command_timeout = no_command_timeout}};
-    REQUIRE(wheels.run(zlac8015d::init{}));
+    REQUIRE(wheels.run(init{}));
     auto all = make_bus<of_wheels>(on, wheels);
     const std::uint32_t sent = there.wire.requests();
     for (int i = 0; i < 2000; ++i) {
@@ -98,8 +98,8 @@ TEST_CASE("a bus refuses a drive on another line, and polls it no more") {
     }
     CHECK(there.wire.requests() == sent);
     CHECK(here.wire.requests() == 0);
-    CHECK(wheels.begin(zlac8015d::enable{}) == errc::bad_argument);
-    CHECK(wheels.begin(zlac8015d::disable{}) == errc::ok); // a stop
+    CHECK(wheels.begin(enable{}) == errc::bad_argument);
+    CHECK(wheels.begin(disable{}) == errc::ok); // a stop
 }
 
 TEST_CASE("a bus runs no command of a drive that is not its own") {
@@ -241,8 +241,8 @@ TEST_CASE("G28: a bus says of each node whether it is absent, also of a drive th
 TEST_CASE("a move that a bus cannot begin has no arrival") {
     wheels_and_lift m;
     tests::wheels_and_lift_program p{m.wire};
-    const auto end = zlac8015d::wait_reached{milliseconds(1000)};
-    const zlac8015d::arrival came = p.all.run(p.wheels, zlac8015d::move_by{100 * pulse, 100 * pulse}, end);
+    const auto end = wait_reached{milliseconds(1000)};
+    const zlac8015d::arrival came = p.all.run(p.wheels, move_by{100 * pulse, 100 * pulse}, end);
     CHECK(came.how == arrival_state::none);
     CHECK(p.wheels.last().error() == errc::needs_init);
     CHECK(m.wire.requests() == 0);
@@ -257,10 +257,10 @@ constexpr poll_plan with_a_keep_alive{
 TEST_CASE("after a blocking call of a bus no request of its drives is left without the end of its exchange") {
     wheels_and_lift m;
     tests::wheels_and_lift_program p{m.wire};
-    REQUIRE(p.command(p.wheels, zlac8015d::init{}));
-    REQUIRE(p.command(p.lift, yako::init{}));
+    REQUIRE(p.command(p.wheels, init{}));
+    REQUIRE(p.command(p.lift, init{}));
     for (std::uint32_t i = 0; i < 300; ++i) {
-        if (i % 2 == 0) REQUIRE(p.all.run(p.lift, yako::read_feedback{}));
+        if (i % 2 == 0) REQUIRE(p.all.run(p.lift, read_feedback{}));
         if (i % 2 != 0) p.all.run_for(microseconds(2000 + 37 * i));
         CHECK(m.wire.requests() == m.wire.responses());
     }

@@ -171,13 +171,13 @@ TEST_CASE(
         auto all = make_bus<beside_a_servo>(on, wheels, servo);
         REQUIRE(client{on, servo_node}.store<c630s::response_delay>(350));
         all.run_for(milliseconds(3000));
-        REQUIRE(all.run(servo, c630s::init{}));
+        REQUIRE(all.run(servo, init{}));
         CHECK(servo.machine().terms().limits().response.us <= beside_a_servo.longest_response().us);
         wire.set_connected(0, false);
-        REQUIRE(servo.begin(c630s::init{}) == errc::ok);
+        REQUIRE(servo.begin(init{}) == errc::ok);
         all.run_for(milliseconds(30 + 40 * offset));
         const std::uint64_t ordered = wire.time_us();
-        REQUIRE(wheels.begin(zlac8015d::quick_stop{}) == errc::ok);
+        REQUIRE(wheels.begin(quick_stop{}) == errc::ok);
         while (wheels.machine().wants_stop()) {
             const duration idle = all.step();
             wire.wait(idle.us == 0 ? microseconds(1) : idle);

@@ -18,16 +18,16 @@ TEST_CASE("G21, G36: after a restart and an `init` a bus delivers no cyclic valu
         CAPTURE(phase);
         tests::wheels_and_lift machine;
         tests::wheels_and_lift_program p{machine.wire};
-        REQUIRE(p.all.run(p.lift, yako::init{}));
-        REQUIRE(p.all.run(p.lift, yako::enable{}));
-        REQUIRE(p.all.run(p.lift, yako::declare_position{place * pulse}));
+        REQUIRE(p.all.run(p.lift, init{}));
+        REQUIRE(p.all.run(p.lift, enable{}));
+        REQUIRE(p.all.run(p.lift, declare_position{place * pulse}));
         p.run(300 + 3 * phase);
         const auto before = p.all.latest<yako::actual_position>(tests::lift_node, milliseconds(500));
         REQUIRE(before);
         REQUIRE(before->count() == place);
         machine.lift_model.power_cycle();
         while (p.lift.state() != yako::drive_state::needs_init || !p.lift.is_idle()) p.turn();
-        REQUIRE(p.lift.begin(yako::init{}) == errc::ok); // in the same loop iteration
+        REQUIRE(p.lift.begin(init{}) == errc::ok); // in the same loop iteration
         const std::uint32_t exchanges = p.all.count(2);
         const std::uint64_t end = machine.wire.time_us() + 600'000;
         while (machine.wire.time_us() < end) {

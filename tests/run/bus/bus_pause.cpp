@@ -40,7 +40,7 @@ TEST_CASE("a read that is due while its drive is unknown is sent as soon as the 
         REQUIRE(all.count(0) == round - 1);
         REQUIRE(all.latest<zlac8015d::bus_voltage>(wheels_node, milliseconds(60'000)).error() ==
                 errc::needs_init);
-        REQUIRE(wheels.begin(zlac8015d::init{}) == errc::ok);
+        REQUIRE(wheels.begin(servobus::init{}) == errc::ok);
         for (tests::loop_bound left{"the end of a command"}; !wheels.is_idle(); left.use()) step();
         REQUIRE(wheels.last());
         CHECK(all.latest<zlac8015d::bus_voltage>(wheels_node, milliseconds(60'000)).error() ==
@@ -50,7 +50,7 @@ TEST_CASE("a read that is due while its drive is unknown is sent as soon as the 
         CHECK(all.latest<zlac8015d::bus_voltage>(wheels_node, milliseconds(1000)));
         machine.wheels_model.power_cycle();
         machine.wire.set_connected(0, false); // until the facade has noticed
-        REQUIRE(wheels.begin(zlac8015d::quick_stop{}) == errc::ok);
+        REQUIRE(wheels.begin(quick_stop{}) == errc::ok);
         while (wheels.state() != zlac8015d::drive_state::needs_init) step();
         machine.wire.set_connected(0, true);
     }
@@ -78,7 +78,7 @@ TEST_CASE(
                 step();
         };
         const auto init = [&] {
-            REQUIRE(wheels.begin(zlac8015d::init{}) == errc::ok);
+            REQUIRE(wheels.begin(servobus::init{}) == errc::ok);
             for (tests::loop_bound left{"the end of a command"}; !wheels.is_idle(); left.use()) step();
             REQUIRE(wheels.last());
         };
@@ -112,7 +112,7 @@ TEST_CASE("G28: a drive that was absent, and whose port was lost meanwhile, is r
         for (tests::loop_bound left{"the end of a command"}; !wheels.is_idle(); left.use()) step();
         return wheels.last();
     };
-    REQUIRE(run(zlac8015d::init{}));
+    REQUIRE(run(init{}));
     REQUIRE(run(zlac8015d::watchdog{10 * units::second})); // it is known for so long
     machine.wire.set_connected(0, false);
     machine.wire.set_connected(1, false);
@@ -126,7 +126,7 @@ TEST_CASE("G28: a drive that was absent, and whose port was lost meanwhile, is r
     CHECK(run(read_feedback{}).error() == errc::port_lost);
     machine.wire.plug();
     const std::uint32_t before = all.count(0);
-    REQUIRE(run(zlac8015d::init{}));
+    REQUIRE(run(init{}));
     for (const std::uint64_t end = machine.wire.time_us() + 150'000; machine.wire.time_us() < end;) step();
     CHECK(all.count(0) > before);
 }

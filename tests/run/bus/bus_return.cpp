@@ -52,18 +52,18 @@ struct rig : tests::wheels_and_lift {
     }
     /// The lift is at 300 pulses, and its position was read.
     void place_lift() {
-        REQUIRE(command(p.lift, yako::init{}));
-        REQUIRE(command(p.lift, yako::enable{}));
-        REQUIRE(command(p.lift, yako::declare_position{300 * pulse}));
+        REQUIRE(command(p.lift, init{}));
+        REQUIRE(command(p.lift, enable{}));
+        REQUIRE(command(p.lift, declare_position{300 * pulse}));
         loop(500);
         REQUIRE(*p.all.latest<yako::actual_position>(tests::lift_node, milliseconds(200)) == 300 * pulse);
     }
     void drive_wheels() {
-        REQUIRE(command(p.wheels, zlac8015d::init{}));
-        REQUIRE(command(p.lift, yako::init{}));
+        REQUIRE(command(p.wheels, init{}));
+        REQUIRE(command(p.lift, init{}));
         REQUIRE(command(p.wheels, zlac8015d::watchdog{1000 * millisecond}));
         REQUIRE(command(p.wheels, zlac8015d::enable_in{zlac8015d::operating_mode::velocity}));
-        REQUIRE(command(p.wheels, zlac8015d::velocity{30 * r_per_min, 30 * r_per_min}));
+        REQUIRE(command(p.wheels, velocity{30 * r_per_min, 30 * r_per_min}));
         loop(1000);
         REQUIRE_FALSE(wheels_model.stands_still());
     }
@@ -76,17 +76,17 @@ bool may_be_first(const frame& f) { return same_bytes(f, zero_speeds) || same_by
 TEST_CASE(
     "G26: a stop stays open after a later command without a response, and a command that succeeds ends it") {
     rig r;
-    REQUIRE(r.command(r.p.lift, yako::init{}));
-    REQUIRE(r.command(r.p.lift, yako::enable{}));
-    REQUIRE(r.command(r.p.lift, yako::velocity{30 * r_per_min}));
+    REQUIRE(r.command(r.p.lift, init{}));
+    REQUIRE(r.command(r.p.lift, enable{}));
+    REQUIRE(r.command(r.p.lift, velocity{30 * r_per_min}));
     r.wire.set_connected(1, false);
-    REQUIRE_FALSE(r.command(r.p.lift, yako::quick_stop{}));
+    REQUIRE_FALSE(r.command(r.p.lift, quick_stop{}));
     command_status taken_over;
     tests::loop_bound left{"a drive that takes a command"};
     do {
         left.use();
         r.turn();
-        taken_over = r.command(r.p.lift, yako::init{});
+        taken_over = r.command(r.p.lift, init{});
     } while (taken_over.error() == errc::busy);
     CHECK_FALSE(taken_over);
     r.loop(2000);
@@ -94,9 +94,9 @@ TEST_CASE(
     r.wire.set_connected(1, true);
     r.loop(3000);
     CHECK_FALSE(r.lift_model.view().is_moving);
-    REQUIRE(r.command(r.p.lift, yako::init{}));
-    REQUIRE(r.command(r.p.lift, yako::enable{}));
-    REQUIRE(r.command(r.p.lift, yako::velocity{30 * r_per_min}));
+    REQUIRE(r.command(r.p.lift, init{}));
+    REQUIRE(r.command(r.p.lift, enable{}));
+    REQUIRE(r.command(r.p.lift, velocity{30 * r_per_min}));
     r.loop(3000);
     CHECK(r.lift_model.view().is_moving); // the stop is not repeated any more
 }
@@ -127,7 +127,7 @@ TEST_CASE(
             CHECK(r.p.wheels.state() == zlac8015d::drive_state::needs_init);
             CHECK(r.p.wheels.feedback(milliseconds(60'000)).error() == errc::needs_init);
             r.requests.clear();
-            REQUIRE(r.command(r.p.wheels, zlac8015d::init{}));
+            REQUIRE(r.command(r.p.wheels, init{}));
             CHECK(may_be_first(r.requests.at(0)));
             r.loop(100);
             CHECK(r.p.wheels.feedback(milliseconds(60)));
@@ -150,7 +150,7 @@ TEST_CASE("S3, G20: wheels that stopped because the program paused get a stop be
         r.loop(1000);
         CHECK(r.requests.empty());
         CHECK(r.p.wheels.state() == zlac8015d::drive_state::needs_init);
-        CHECK(r.command(r.p.wheels, zlac8015d::init{}));
+        CHECK(r.command(r.p.wheels, init{}));
         CHECK(may_be_first(r.requests.at(0)));
         CHECK(r.wheels_model.left().position == place);
     }
@@ -166,7 +166,7 @@ TEST_CASE("S1, S3: wheels that a crashed program has left get a stop before the 
     r.requests.clear();
     next.run(1000);
     CHECK(r.requests.empty());
-    REQUIRE(next.wheels.begin(zlac8015d::init{}) == errc::ok);
+    REQUIRE(next.wheels.begin(init{}) == errc::ok);
     next.run(1000);
     CHECK(may_be_first(r.requests.at(0)));
     CHECK(r.wheels_model.left().position == place);
@@ -176,8 +176,8 @@ TEST_CASE("S1, S3: wheels that a crashed program has left get a stop before the 
 
 TEST_CASE("G28: lost responses cost disabled wheels and the lift no further frames") {
     rig r;
-    REQUIRE(r.command(r.p.wheels, zlac8015d::init{}));
-    REQUIRE(r.command(r.p.lift, yako::init{}));
+    REQUIRE(r.command(r.p.wheels, init{}));
+    REQUIRE(r.command(r.p.lift, init{}));
     r.loop(500);
     r.wire.faults().lost_response = 1000;
     const std::uint32_t reads = r.p.all.count(0);
@@ -199,7 +199,7 @@ TEST_CASE("G28: absent wheels cost the lift nothing once their state is unknown,
         CAPTURE(were_there);
         rig r;
         if (were_there) r.drive_wheels();
-        if (!were_there) { REQUIRE(r.command(r.p.lift, yako::init{})); }
+        if (!were_there) { REQUIRE(r.command(r.p.lift, init{})); }
         r.wire.set_connected(0, false);
         r.loop(3000);
         const std::size_t asked = r.requests.size();
@@ -208,7 +208,7 @@ TEST_CASE("G28: absent wheels cost the lift nothing once their state is unknown,
         CHECK(r.requests.size() == asked);
         CHECK(r.p.all.count(1) - reads >= 164); // every 60 ms
         r.wire.set_connected(0, true);
-        CHECK(r.command(r.p.wheels, zlac8015d::init{}));
+        CHECK(r.command(r.p.wheels, init{}));
     }
 }
 
@@ -255,7 +255,7 @@ TEST_CASE("G21: responses to the reads of a bus keep the drive state valid, so t
     r.drive_wheels();
     r.loop(10'000);
     CHECK(r.p.wheels.state() == zlac8015d::drive_state::enabled);
-    CHECK(r.command(r.p.wheels, zlac8015d::velocity{10 * r_per_min, 10 * r_per_min}));
+    CHECK(r.command(r.p.wheels, velocity{10 * r_per_min, 10 * r_per_min}));
 }
 
 TEST_CASE(
@@ -276,7 +276,7 @@ TEST_CASE(
         CHECK_FALSE(r.p.all.is_absent(2));
         CHECK((r.p.lift.state() == yako::drive_state::needs_init) == is_restarted);
         CHECK((r.p.lift.current_word_order() == word_order::unknown) == is_restarted);
-        CHECK(r.command(r.p.lift, yako::init{}));
+        CHECK(r.command(r.p.lift, init{}));
     }
 }
 
@@ -308,7 +308,7 @@ TEST_CASE("G36: values of before a lost port are not given once the drive is kno
     r.lift_model.power_cycle();
     r.wire.plug();
     r.loop(30);
-    REQUIRE(r.p.lift.begin(yako::init{}) == errc::ok);
+    REQUIRE(r.p.lift.begin(init{}) == errc::ok);
     unsigned given = 0;
     for (int i = 0; i < 3'000; ++i) {
         r.turn();
@@ -327,7 +327,7 @@ TEST_CASE("G22: values that were read in a word order which the drive no longer 
     REQUIRE(r.lift_model.write(yako::pair_word_order.address, words_view{low_first}) ==
             0);  // by another client
     r.loop(250); // two refreshes
-    REQUIRE(r.p.lift.begin(yako::init{}) == errc::ok);
+    REQUIRE(r.p.lift.begin(init{}) == errc::ok);
     unsigned given = 0;
     for (int i = 0; i < 3'000; ++i) {
         r.turn();
@@ -349,12 +349,12 @@ TEST_CASE("G21: a drive that was absent while a command was in progress needs in
         r.drive_wheels();
         r.wire.set_connected(1, false);
         r.loop(ms);
-        (void)r.p.lift.begin(yako::move_by{1000 * pulse, by});
+        (void)r.p.lift.begin(move_by{1000 * pulse, by});
         for (tests::loop_bound left{"an event"}; !r.p.all.is_absent(2); left.use()) r.turn();
         if (is_restarted) r.lift_model.power_cycle();
         r.wire.set_connected(1, true);
         SUBCASE("a stop replaces the command") {
-            REQUIRE(r.p.lift.begin(yako::quick_stop{}) == errc::ok);
+            REQUIRE(r.p.lift.begin(quick_stop{}) == errc::ok);
             for (tests::loop_bound left{"the end of a command"}; !r.p.lift.is_idle(); left.use()) r.turn();
             REQUIRE(r.p.lift.last());
         }
@@ -363,7 +363,7 @@ TEST_CASE("G21: a drive that was absent while a command was in progress needs in
         }
         const bool was_known = r.p.lift.state() != yako::drive_state::needs_init;
         const std::uint32_t starts = r.lift_model.starts(); // of the command that ran to its end
-        const command_status next = r.command(r.p.lift, yako::move_by{1000 * pulse, by});
+        const command_status next = r.command(r.p.lift, move_by{1000 * pulse, by});
         if (is_restarted) CHECK(next.error() == errc::needs_init);
         if (is_restarted) CHECK(starts == 0);
         if (!is_restarted && starts == 0) CHECK(static_cast<bool>(next) == was_known);

@@ -50,13 +50,13 @@ struct rig : tests::wheels_and_lift, tests::wheels_and_lift_program, ear {
     rig() : wheels_and_lift_program{wire} { wire.set_hook(&ear::note, static_cast<ear*>(this)); }
 
     void enable_wheels(operating_mode mode = operating_mode::velocity) {
-        REQUIRE(command(wheels, zlac8015d::init{}));
-        REQUIRE(command(lift, yako::init{}));
+        REQUIRE(command(wheels, init{}));
+        REQUIRE(command(lift, init{}));
         REQUIRE(command(wheels, zlac8015d::enable_in{checked(mode)}));
     }
     void drive_wheels() {
         enable_wheels();
-        REQUIRE(command(wheels, zlac8015d::velocity{30 * r_per_min, 30 * r_per_min}));
+        REQUIRE(command(wheels, velocity{30 * r_per_min, 30 * r_per_min}));
         run(300);
         REQUIRE_FALSE(wheels_model.stands_still());
     }
@@ -72,7 +72,7 @@ struct rig : tests::wheels_and_lift, tests::wheels_and_lift_program, ear {
         CHECK(began_with_a_stop());
         CHECK(wheels_model.left().position == place_);
         CHECK(wheels.state() == zlac8015d::drive_state::needs_init);
-        CHECK(command(wheels, zlac8015d::init{}));
+        CHECK(command(wheels, init{}));
         CHECK(began_with_a_stop());
         CHECK_FALSE(requests.empty());
         CHECK(wheels_model.left().position == place_);
@@ -101,7 +101,7 @@ struct facade_alone : ear {
     }
     void look_for(unsigned turns) {
         for (unsigned i = 0; i < turns; ++i) {
-            if (wheels.is_idle()) (void)wheels.begin(zlac8015d::read_feedback{});
+            if (wheels.is_idle()) (void)wheels.begin(read_feedback{});
             turn();
         }
     }
@@ -143,7 +143,7 @@ TEST_CASE(
         rig r;
         r.drive_wheels();
         for (unsigned i = 0; i < turns; ++i) r.turn();
-        REQUIRE(r.wheels.begin(zlac8015d::velocity{30 * r_per_min, 30 * r_per_min}) == errc::ok);
+        REQUIRE(r.wheels.begin(velocity{30 * r_per_min, 30 * r_per_min}) == errc::ok);
         for (unsigned i = 0; i < turns % 13 && !r.wheels.is_idle(); ++i) r.turn();
         r.stand_still();
         r.check_that_nothing_went_on(300);
@@ -155,12 +155,12 @@ TEST_CASE("S3, G20: without a bus, a response that arrived while the program pau
     for (unsigned turns = 0; turns < 60; ++turns) {
         CAPTURE(turns);
         facade_alone f;
-        f.command(zlac8015d::init{});
-        f.command(zlac8015d::enable{});
-        f.command(zlac8015d::velocity{30 * r_per_min, 30 * r_per_min});
+        f.command(init{});
+        f.command(enable{});
+        f.command(velocity{30 * r_per_min, 30 * r_per_min});
         f.look_for(600);
         for (tests::loop_bound left{"the end of a command"}; !f.wheels.is_idle(); left.use()) f.turn();
-        REQUIRE(f.wheels.begin(zlac8015d::read_feedback{}) == errc::ok);
+        REQUIRE(f.wheels.begin(read_feedback{}) == errc::ok);
         for (unsigned i = 0; i < turns && !f.wheels.is_idle(); ++i) f.turn();
         f.wire.pass(milliseconds(4000));
         REQUIRE(f.model.in_watchdog_stop());
@@ -175,9 +175,9 @@ TEST_CASE("S3: the read that follows a start without a response is not the first
     for (unsigned turns = 0; turns < 400; turns += 5) {
         CAPTURE(turns);
         facade_alone f;
-        f.command(zlac8015d::init{});
+        f.command(init{});
         f.command(zlac8015d::enable_in{operating_mode::relative_position});
-        REQUIRE(f.wheels.begin(zlac8015d::move_by{40000 * pulse, 40000 * pulse}) == errc::ok);
+        REQUIRE(f.wheels.begin(move_by{40000 * pulse, 40000 * pulse}) == errc::ok);
         for (tests::loop_bound left{"a start"}; f.model.starts() == 0; left.use()) f.turn();
         f.wire.faults().lost_response = 1000;
         for (unsigned i = 0; i < turns; ++i) f.turn();
@@ -214,11 +214,11 @@ TEST_CASE("S3: after a watchdog write with an unknown outcome the shorter of bot
         CHECK(r.wheels.last().outcome() == outcome::unknown);
         r.run(100);
         REQUIRE(r.wheels.state() == zlac8015d::drive_state::needs_init);
-        REQUIRE(r.wheels.begin(zlac8015d::quick_stop{}) == errc::ok);
+        REQUIRE(r.wheels.begin(quick_stop{}) == errc::ok);
         for (tests::loop_bound left{"the end of a command"}; !r.wheels.is_idle(); left.use()) r.turn();
         r.requests.clear();
         r.wire.pass(milliseconds(t.counts));
-        REQUIRE(r.wheels.begin(zlac8015d::quick_stop{}) == errc::ok);
+        REQUIRE(r.wheels.begin(quick_stop{}) == errc::ok);
         for (tests::loop_bound left{"the end of a command"}; !r.wheels.is_idle(); left.use()) r.turn();
         CHECK(same_bytes(r.requests.at(0), zero_speeds)); // the watchdog may have expired
     }
@@ -236,7 +236,7 @@ TEST_CASE("S3: a stop that is repeated after a pause begins with a stop frame, i
         if (mode == operating_mode::torque) {
             REQUIRE(r.command(r.wheels, zlac8015d::torque{500 * milliampere, 500 * milliampere}));
         } else {
-            REQUIRE(r.command(r.wheels, zlac8015d::velocity{30 * r_per_min, 30 * r_per_min}));
+            REQUIRE(r.command(r.wheels, velocity{30 * r_per_min, 30 * r_per_min}));
         }
         r.run(300);
         r.wire.set_connected(0, false);
@@ -252,10 +252,10 @@ TEST_CASE("S3: a stop that is repeated after a pause begins with a stop frame, i
         r.run(1000); // confirmed: no further stops
         for (const auto& request : r.requests) CHECK(modbus::is_read(request[1]));
     };
-    scene(operating_mode::velocity, zlac8015d::quick_stop{});
-    scene(operating_mode::velocity, zlac8015d::halt{});
-    scene(operating_mode::torque, zlac8015d::halt{});
-    scene(operating_mode::velocity, zlac8015d::disable{});
+    scene(operating_mode::velocity, quick_stop{});
+    scene(operating_mode::velocity, halt{});
+    scene(operating_mode::torque, halt{});
+    scene(operating_mode::velocity, disable{});
 }
 
 TEST_CASE("G21: a bus detects the restart of a drive that it reads, however soon the drive responds again") {
@@ -273,8 +273,7 @@ TEST_CASE("G21: a bus detects the restart of a drive that it reads, however soon
             r.wire.set_connected(0, true);
             r.run(2500);
             CHECK(r.wheels.state() == zlac8015d::drive_state::needs_init);
-            CHECK(r.command(r.wheels, zlac8015d::velocity{20 * r_per_min, 20 * r_per_min}).error() ==
-                  errc::needs_init);
+            CHECK(r.command(r.wheels, velocity{20 * r_per_min, 20 * r_per_min}).error() == errc::needs_init);
         }
     }
 }
@@ -283,7 +282,7 @@ TEST_CASE("G21: after a lost response a facade reads the drive again, and its st
           "has changed") {
     rig r;
     r.drive_wheels();
-    REQUIRE(r.command(r.lift, yako::enable{}));
+    REQUIRE(r.command(r.lift, enable{}));
     r.requests.clear();
     r.wire.faults().lost_response = 1000;
     for (tests::loop_bound left{"a request"}; r.requests.empty(); left.use()) r.turn();
@@ -307,21 +306,21 @@ TEST_CASE("G21: a lost port invalidates all cached settings, whichever user of t
         CAPTURE(turns);
         rig r;
         r.drive_wheels();
-        REQUIRE(r.command(r.lift, yako::enable{}));
+        REQUIRE(r.command(r.lift, enable{}));
         r.run(100 + turns);
-        REQUIRE(r.wheels.begin(zlac8015d::velocity{20 * r_per_min, 20 * r_per_min}) == errc::ok);
+        REQUIRE(r.wheels.begin(velocity{20 * r_per_min, 20 * r_per_min}) == errc::ok);
         for (unsigned i = 0; i < turns; ++i) r.turn();
         r.wire.unplug();
         const std::uint8_t losses = r.on.epoch(1).events.losses;
         for (tests::loop_bound left{"a loss"}; r.on.epoch(1).events.losses == losses; left.use()) r.turn();
         r.wire.plug(); // opened again before another user of the line has noticed
-        if (turns % 2 != 0) { REQUIRE(r.wheels.begin(zlac8015d::quick_stop{}) == errc::ok); }
+        if (turns % 2 != 0) { REQUIRE(r.wheels.begin(quick_stop{}) == errc::ok); }
         r.run(400);
         CHECK(r.wheels.state() == zlac8015d::drive_state::needs_init);
         CHECK(r.lift.state() == yako::drive_state::needs_init);
         CHECK(r.all.latest<yako::actual_position>(tests::lift_node, milliseconds(200)).error() ==
               errc::needs_init);
-        CHECK(r.command(r.lift, yako::move_by{100 * pulse}).error() == errc::needs_init);
+        CHECK(r.command(r.lift, move_by{100 * pulse}).error() == errc::needs_init);
     }
 }
 
@@ -332,7 +331,7 @@ TEST_CASE("G21, G25: a stop replaces a command after a client has found the port
         rig r;
         r.drive_wheels();
         r.run(turns % 20); // a different place in the plan
-        REQUIRE(r.wheels.begin(zlac8015d::velocity{20 * r_per_min, 20 * r_per_min}) == errc::ok);
+        REQUIRE(r.wheels.begin(velocity{20 * r_per_min, 20 * r_per_min}) == errc::ok);
         for (unsigned i = 0; i < turns / 20 && !r.wheels.is_idle(); ++i) r.turn();
         if (r.wheels.is_idle() || !r.on.is_free()) continue;
         r.wire.unplug();
@@ -340,7 +339,7 @@ TEST_CASE("G21, G25: a stop replaces a command after a client has found the port
         r.wire.plug();
         ++seen;
         r.requests.clear();
-        REQUIRE(r.wheels.begin(zlac8015d::quick_stop{}) == errc::ok);
+        REQUIRE(r.wheels.begin(quick_stop{}) == errc::ok);
         for (tests::loop_bound left{"the end of a command"}; !r.wheels.is_idle(); left.use()) r.turn();
         REQUIRE_FALSE(r.requests.empty());
         CHECK(same_bytes(r.requests[0], zero_speeds)); // the drive's watchdog may have expired
@@ -375,7 +374,7 @@ TEST_CASE(
         r.drive_wheels();
         for (std::uint32_t s = 0; s < 60 * minutes; ++s) r.wire.pass(milliseconds(1000));
         r.run(2000);
-        REQUIRE(r.command(r.wheels, zlac8015d::init{}));
+        REQUIRE(r.command(r.wheels, init{}));
         r.run(100);
         const std::uint32_t before[] = {r.all.count(0), r.all.count(1), r.all.count(2)};
         r.run(3000);
@@ -388,12 +387,12 @@ TEST_CASE(
 TEST_CASE("G28: repeated commands to absent wheels leave the lift one read after each of their stops") {
     rig r;
     r.wire.set_connected(0, false);
-    REQUIRE(r.command(r.lift, yako::init{}));
+    REQUIRE(r.command(r.lift, init{}));
     const auto run_and_try = [&](std::uint32_t ms) {
         const std::uint64_t end = r.wire.time_us() + std::uint64_t{ms} * 1000u;
         while (r.wire.time_us() < end) {
             r.turn();
-            if (r.wheels.is_idle()) (void)r.wheels.begin(zlac8015d::init{});
+            if (r.wheels.is_idle()) (void)r.wheels.begin(init{});
         }
     };
     run_and_try(5000);
@@ -461,12 +460,12 @@ TEST_CASE("G21, G22: a word order that is set again after a lost port stays vali
 TEST_CASE("G28: a drive that has executed a command is read as often as any other, also without a watchdog "
           "of its own") {
     rig r;
-    REQUIRE(r.command(r.lift, yako::init{}));
+    REQUIRE(r.command(r.lift, init{}));
     r.wire.set_connected(1, false);
     r.run(2000);
     REQUIRE(r.lift.is_absent());
     r.wire.set_connected(1, true);
-    REQUIRE(r.command(r.lift, yako::init{}));
+    REQUIRE(r.command(r.lift, init{}));
     r.turn();
     CHECK_FALSE(r.lift.is_absent());
     r.run(100);

@@ -65,9 +65,9 @@ TEST_CASE("G22: a bus reads a node in the word order of its facade, and delivers
     r.run(200);
     CHECK(r.all.latest<yako::actual_position>(tests::lift_node, milliseconds(200)).error() ==
           errc::needs_init);
-    REQUIRE(r.command(r.lift, yako::init{}));
-    REQUIRE(r.command(r.lift, yako::enable{}));
-    REQUIRE(r.command(r.lift, yako::declare_position{rig::place * pulse}));
+    REQUIRE(r.command(r.lift, init{}));
+    REQUIRE(r.command(r.lift, enable{}));
+    REQUIRE(r.command(r.lift, declare_position{rig::place * pulse}));
     r.run(200);
     // The change falls at each moment between two reads.
     for (std::uint32_t i = 0; i < 60; ++i) {
@@ -86,9 +86,9 @@ TEST_CASE("G22: a bus reads a node in the word order of its facade, and delivers
 TEST_CASE("G21, G22: after a change of the word order with an unknown outcome no value is delivered until "
           "`init` has read it") {
     rig r;
-    REQUIRE(r.command(r.lift, yako::init{}));
-    REQUIRE(r.command(r.lift, yako::enable{}));
-    REQUIRE(r.command(r.lift, yako::declare_position{rig::place * pulse}));
+    REQUIRE(r.command(r.lift, init{}));
+    REQUIRE(r.command(r.lift, enable{}));
+    REQUIRE(r.command(r.lift, declare_position{rig::place * pulse}));
     r.run(200);
     REQUIRE(r.lift.begin(yako::set_word_order{yako::word_order_setting::low_first}) == errc::ok);
     while (r.lift_model.peek(yako::pair_word_order.address) == 0) r.turn();
@@ -98,7 +98,7 @@ TEST_CASE("G21, G22: after a change of the word order with an unknown outcome no
     r.wire.set_connected(1, true);
     r.watch(3000);
     CHECK(r.right + r.wrong == 0);
-    REQUIRE(r.watched(yako::init{}));
+    REQUIRE(r.watched(init{}));
     r.watch(300);
     CHECK(r.right > 100);
     CHECK(r.wrong == 0);
@@ -107,7 +107,7 @@ TEST_CASE("G21, G22: after a change of the word order with an unknown outcome no
 TEST_CASE("G22: the word order is unknown while a command that may reset it, or changes the address, is in "
           "progress") {
     rig r;
-    REQUIRE(r.command(r.lift, yako::init{}));
+    REQUIRE(r.command(r.lift, init{}));
     REQUIRE(r.lift.current_word_order() == word_order::high_first);
     SUBCASE("a factory reset") {
         REQUIRE(r.lift.begin(yako::factory_reset{yako::sole_drive_on_the_line{}}) == errc::ok);
@@ -123,9 +123,9 @@ TEST_CASE("G22: the word order is unknown while a command that may reset it, or 
 TEST_CASE("the word order of a facade replaces the one that was set on the bus") {
     rig r;
     r.all.set_word_order(2, word_order::low_first);
-    REQUIRE(r.command(r.lift, yako::init{}));
-    REQUIRE(r.command(r.lift, yako::enable{}));
-    REQUIRE(r.command(r.lift, yako::declare_position{rig::place * pulse}));
+    REQUIRE(r.command(r.lift, init{}));
+    REQUIRE(r.command(r.lift, enable{}));
+    REQUIRE(r.command(r.lift, declare_position{rig::place * pulse}));
     r.watch(300);
     CHECK(r.wrong == 0);
     CHECK(r.right > 100);
@@ -141,7 +141,7 @@ TEST_CASE("G22: a 32-bit read of a C630S delivers no value while its word order 
     auto all = make_bus<servo_plan>(on, drive);
     all.run_for(milliseconds(300));
     CHECK(all.latest<c630s::feedback_pulses>(servo_node, milliseconds(200)).error() == errc::needs_init);
-    REQUIRE(all.run(drive, c630s::init{}));
+    REQUIRE(all.run(drive, init{}));
     all.run_for(milliseconds(200));
     CHECK(all.latest<c630s::feedback_pulses>(servo_node, milliseconds(200)));
     CHECK(all.latest<c630s::actual_speed>(servo_node, milliseconds(200)));

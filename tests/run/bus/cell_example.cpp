@@ -115,7 +115,7 @@ TEST_CASE("the cell runs: wheels, lift and press at once, and stops for a door a
     CHECK(f.program.wheels.pose().is_continuous);
 
     const std::int64_t home = f.lift.view().position;
-    REQUIRE(f.program.lift.begin(travel_to{40_mm, lift::fast}) == errc::ok);
+    REQUIRE(f.program.lift.begin(move_to{40_mm, lift::fast}) == errc::ok);
     REQUIRE(f.program.press.begin(c630s::start_segment{press::down}) == errc::ok);
     f.go(3000, forward);
     CHECK(f.program.all.run(f.program.lift, wait_reached{}));
@@ -151,7 +151,7 @@ TEST_CASE("after a restart of a drive the others go on, and the cell is prepared
     f.wire.faults().lost_response = 20;
     unsigned reached = 0;
     for (int i = 0; i < 6; ++i) {
-        const auto a = f.program.all.run(f.program.lift, travel_to{i % 2 == 0 ? 10_mm : 20_mm, lift::fast},
+        const auto a = f.program.all.run(f.program.lift, move_to{i % 2 == 0 ? 10_mm : 20_mm, lift::fast},
                                          wait_reached{});
         reached += a.how == arrival_state::reached ? 1u : 0u;
         if (f.program.lift.state() != drive_state::enabled) (void)f.prepare();

@@ -111,7 +111,7 @@ struct rig {
         wire.attach(first_station);
         wire.attach(second_station);
         wire.set_hook(&rig::note, this);
-        REQUIRE(all.run(wheels, zlac8015d::init{}));
+        REQUIRE(all.run(wheels, init{}));
         enable();
     }
     rig(const rig&) = delete;
@@ -127,7 +127,7 @@ struct rig {
     }
     void enable() {
         REQUIRE(all.run(wheels, zlac8015d::enable_in{zlac8015d::operating_mode::velocity}));
-        REQUIRE(all.run(wheels, zlac8015d::velocity{30 * r_per_min, 30 * r_per_min}));
+        REQUIRE(all.run(wheels, velocity{30 * r_per_min, 30 * r_per_min}));
     }
     std::size_t count_to(std::uint8_t address) const {
         std::size_t n = 0;
@@ -181,7 +181,7 @@ void run(rig& r, std::uint32_t ms, asking<rig::line_type>& a, asking<rig::line_t
         turn(r, a, b);
         if (r.wire.time_us() < next || !r.wheels.is_idle()) continue;
         next += 40'000;
-        CHECK(r.wheels.begin(zlac8015d::velocity{30 * r_per_min, 30 * r_per_min}) == errc::ok);
+        CHECK(r.wheels.begin(velocity{30 * r_per_min, 30 * r_per_min}) == errc::ok);
     }
 }
 
@@ -220,7 +220,7 @@ TEST_CASE(
             REQUIRE(r.seen.size() > before);
             const bool is_sensor = r.seen.back().data[0] == 9;
             const std::uint64_t ordered = r.wire.time_us();
-            REQUIRE(r.wheels.begin(zlac8015d::quick_stop{}) == errc::ok);
+            REQUIRE(r.wheels.begin(quick_stop{}) == errc::ok);
             while (r.seen.back().begin < ordered) turn(r, sensor_of_program, second_of_program);
             const std::size_t first = r.seen.size() - 1;
             CHECK(r.seen[first].data[0] == 1); // no other frame went before it
@@ -328,7 +328,7 @@ template <const auto& Plan, bool HasReads> void ask_one_that_refuses(std::uint8_
     bus<Plan, line_type, decltype(wheels)> all{on, wheels};
     wire.attach(station);
     wire.attach(other_station);
-    REQUIRE(all.run(wheels, zlac8015d::init{}));
+    REQUIRE(all.run(wheels, init{}));
     client<line_type, sensor> direct{on, sensor_node};
     stepped_read_words<decltype(direct), 2> read{direct};
     stepped_write_words<decltype(direct), 1> write{direct};
@@ -493,7 +493,7 @@ TEST_CASE("G25: a stop that was begun goes before a request that the program ste
         r.wire.pass(microseconds(k * 37));
         const std::size_t before = r.seen.size();
         const std::uint64_t ordered = r.wire.time_us();
-        REQUIRE(r.wheels.begin(zlac8015d::quick_stop{}) == errc::ok);
+        REQUIRE(r.wheels.begin(quick_stop{}) == errc::ok);
         near += own.is_under_way ? 1u : 0u;
         while (r.seen.size() == before || r.seen.back().begin < ordered) {
             (void)own.step(r.wire); // before the bus
@@ -552,8 +552,7 @@ TEST_CASE("G28: the program's own request has its turn on a line that the bus al
     while (r.wire.time_us() < end) {
         if (r.wheels.is_idle()) { // commands back to back
             is_setting = !is_setting;
-            REQUIRE(r.wheels.begin(zlac8015d::velocity{30 * r_per_min, (is_setting ? 30 : 20) * r_per_min}) ==
-                    errc::ok);
+            REQUIRE(r.wheels.begin(velocity{30 * r_per_min, (is_setting ? 30 : 20) * r_per_min}) == errc::ok);
         }
         const duration idle = all.step();
         r.wire.wait(longer_of(microseconds(1), shorter_of(idle, own.step(r.wire))));

@@ -88,7 +88,7 @@ struct rig {
         values.set<sensor::distance>(static_cast<std::uint16_t>(wire.time_us() / 1000));
         if (next_setpoint_us != 0 && wire.time_us() >= next_setpoint_us && wheels.is_idle()) {
             speed = speed == 30 ? 31 : 30;
-            CHECK(wheels.begin(zlac8015d::velocity{speed * r_per_min, speed * r_per_min}) == errc::ok);
+            CHECK(wheels.begin(velocity{speed * r_per_min, speed * r_per_min}) == errc::ok);
             next_setpoint_us += 50'000;
         }
         wire.wait(longer_of(microseconds(1), all.step()));
@@ -103,7 +103,7 @@ struct rig {
         REQUIRE(wheels.last());
     }
     void drive() {
-        if (wheels.state() == zlac8015d::drive_state::needs_init) command(zlac8015d::init{});
+        if (wheels.state() == zlac8015d::drive_state::needs_init) command(init{});
         command(zlac8015d::enable_in{zlac8015d::operating_mode::velocity});
         next_setpoint_us = wire.time_us();
         run(500);
@@ -240,7 +240,7 @@ TEST_CASE("G25: a stop of the wheels is on the wire within the plan's bound, wha
             while (r.wire.time_us() < begin) r.turn();
             r.stop_end = 0;
             const std::uint64_t commanded = r.wire.time_us();
-            REQUIRE(r.wheels.begin(zlac8015d::quick_stop{}) == errc::ok);
+            REQUIRE(r.wheels.begin(quick_stop{}) == errc::ok);
             while (r.stop_end == 0) r.turn();
             const std::uint64_t took = r.stop_end - commanded;
             CHECK(took <= bound);

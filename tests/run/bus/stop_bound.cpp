@@ -142,11 +142,11 @@ template <const auto& Plan> std::uint64_t longest_of(const play& how, std::uint3
         r.port.due = nullptr;
         r.wire.set_connected(0, true);
         r.run(100'000);
-        if (r.wheels.state() == zlac8015d::drive_state::needs_init) REQUIRE(r.command(zlac8015d::init{}));
+        if (r.wheels.state() == zlac8015d::drive_state::needs_init) REQUIRE(r.command(init{}));
         REQUIRE(r.command(zlac8015d::enable_in{zlac8015d::operating_mode::velocity}));
-        REQUIRE(r.command(zlac8015d::velocity{30 * r_per_min, 30 * r_per_min}));
+        REQUIRE(r.command(velocity{30 * r_per_min, 30 * r_per_min}));
         r.run(5'000 + k * 733 % 20'000);
-        if (k % 3 == 0) (void)r.wheels.begin(zlac8015d::velocity{20 * r_per_min, 20 * r_per_min});
+        if (k % 3 == 0) (void)r.wheels.begin(velocity{20 * r_per_min, 20 * r_per_min});
         // The next request of the bus, which the drive gets.
         const std::uint32_t asked = r.wire.requests();
         while (r.wire.requests() == asked) r.turn();
@@ -154,7 +154,7 @@ template <const auto& Plan> std::uint64_t longest_of(const play& how, std::uint3
         if (how.is_absent) r.wire.set_connected(0, false);
         r.stop_end = 0;
         const std::uint64_t ordered = r.wire.time_us();
-        REQUIRE(r.wheels.begin(zlac8015d::quick_stop{}) == errc::ok);
+        REQUIRE(r.wheels.begin(quick_stop{}) == errc::ok);
         while (r.stop_end == 0) r.turn();
         const std::uint64_t took = r.stop_end - ordered;
         CHECK(took <= Plan.worst_case_stop_latency().us);

@@ -37,7 +37,7 @@ TEST_CASE("G21: a command under way ends, and no frame of it follows the write")
         REQUIRE(r.drive.run(init{}));
         other_client other{r.line, node<zlac8015d::device>{1}};
         const std::size_t before = r.log.frames.size();
-        REQUIRE(r.drive.begin(zlac8015d::enable{}) == errc::ok);
+        REQUIRE(r.drive.begin(enable{}) == errc::ok);
         while (!r.drive.is_idle() && r.log.frames.size() < before + n) {
             const duration idle = r.drive.step();
             r.wire.wait(idle.us == 0 ? microseconds(10) : idle);
@@ -67,7 +67,7 @@ TEST_CASE(
         REQUIRE(call.begin(10) == errc::ok);
         call.cancel();
         (void)call.step();
-        REQUIRE(r.drive.run(zlac8015d::velocity{30 * r_per_min, 30 * r_per_min}));
+        REQUIRE(r.drive.run(velocity{30 * r_per_min, 30 * r_per_min}));
     }
     stepped_write<other_client, zlac8015d::speed_resolution> call{other};
     REQUIRE(call.begin(10) == errc::ok);
@@ -77,7 +77,7 @@ TEST_CASE(
         r.wire.wait(microseconds(20));
     }
     (void)call.step();
-    CHECK(r.drive.begin(zlac8015d::velocity{30 * r_per_min, 30 * r_per_min}) == errc::needs_init);
+    CHECK(r.drive.begin(velocity{30 * r_per_min, 30 * r_per_min}) == errc::needs_init);
     call.cancel();
     CHECK(call.status().outcome() == outcome::unknown);
 }
@@ -85,7 +85,7 @@ TEST_CASE(
 TEST_CASE("G21: a stop under way is completed, and nothing but stops and init follows it") {
     rig r;
     enabled_zlac8015d::be_enabled_in(r, operating_mode::velocity);
-    REQUIRE(r.drive.run(zlac8015d::velocity{100 * r_per_min, 100 * r_per_min}));
+    REQUIRE(r.drive.run(velocity{100 * r_per_min, 100 * r_per_min}));
     r.wire.pass(milliseconds(300));
     other_client other{r.line, node<zlac8015d::device>{1}};
     REQUIRE(r.drive.begin(disable{}) == errc::ok);
@@ -103,7 +103,7 @@ TEST_CASE("G21: a stop under way is completed, and nothing but stops and init fo
     CHECK_FALSE(r.model.enabled());
     CHECK(r.drive.state() == zlac8015d::drive_state::needs_init);
     CHECK(r.drive.run(disable{}));
-    CHECK(r.drive.run(zlac8015d::enable{}).error() == errc::needs_init);
+    CHECK(r.drive.run(enable{}).error() == errc::needs_init);
 }
 
 TEST_CASE("G21: a request that writes a cached register counts though the drive refuses it: 17h") {
@@ -124,7 +124,7 @@ TEST_CASE("G21: a request that writes a cached register counts though the drive 
         } else {
             CHECK(other.write_then_read<read, zlac8015d::speed_resolution>(10).error() == errc::exception);
         }
-        CHECK(r.drive.run(zlac8015d::enable{}).error() == errc::needs_init);
+        CHECK(r.drive.run(enable{}).error() == errc::needs_init);
     }
 }
 
@@ -157,11 +157,9 @@ TEST_CASE("G21: a write to one drive of a line does not concern the others, but 
     yako::closed_loop::drive lift{on, 2, unsupervised};
     client to_lift{on, node<yako::closed_loop::device>{2}};
     REQUIRE(wheels.run(init{}));
-    REQUIRE(wheels.run(zlac8015d::enable{}));
+    REQUIRE(wheels.run(enable{}));
     REQUIRE(lift.run(init{}));
-    const auto go = [&](i32 n) {
-        return wheels.run(zlac8015d::velocity{n * r_per_min, n * r_per_min}).error();
-    };
+    const auto go = [&](i32 n) { return wheels.run(velocity{n * r_per_min, n * r_per_min}).error(); };
     for (i32 n = 1; n < 300; ++n) { // more than a counter of 8 bits has
         REQUIRE(to_lift.write<yako::microstep_resolution>(2000));
         REQUIRE(go(n % 30) == errc::ok);
@@ -174,7 +172,7 @@ TEST_CASE("G21: a write to one drive of a line does not concern the others, but 
     REQUIRE(to_lift.write<yako::microstep_resolution>(2000));
     CHECK(go(20) == errc::needs_init);
     REQUIRE(wheels.run(init{}));
-    REQUIRE(wheels.run(zlac8015d::enable{}));
+    REQUIRE(wheels.run(enable{}));
     REQUIRE(lift.run(init{}));
     // To all.
     REQUIRE(to_lift.broadcast<yako::microstep_resolution>(1000));
@@ -224,7 +222,7 @@ TEST_CASE("G21: what clients have learned of a node outlives writes that only a 
     for (i32 n = 0; n < 3; ++n)
         REQUIRE(direct.write<c630s::max_forward_speed>(checked((3000 + n) * r_per_min), *token));
     const std::size_t frames = r.requests.size();
-    CHECK(r.drive.run(c630s::velocity{100 * r_per_min}).error() == errc::needs_init);
+    CHECK(r.drive.run(velocity{100 * r_per_min}).error() == errc::needs_init);
     CHECK(r.requests.size() == frames);
     CHECK(r.model.peek(c630s::target_speed.address) == 0);
     REQUIRE(r.drive.run(init{}));
@@ -245,11 +243,11 @@ TEST_CASE("G21: another facade of the drive that sets a cached row, or takes the
     REQUIRE(other.run(zlac8015d::set<zlac8015d::max_motor_speed>{500}));
     CHECK(other.state() == zlac8015d::drive_state::disabled); // its own command
     CHECK(other.cached().max_speed == 500);
-    CHECK(r.drive.run(zlac8015d::enable{}).error() == errc::needs_init);
+    CHECK(r.drive.run(enable{}).error() == errc::needs_init);
     REQUIRE(r.drive.run(init{}));
     CHECK(r.drive.cached().max_speed == 500);
     REQUIRE(r.drive.begin(zlac8015d::set<zlac8015d::max_motor_speed>{600}) == errc::ok);
-    CHECK(other.run(zlac8015d::enable{}).error() == errc::needs_init);
+    CHECK(other.run(enable{}).error() == errc::needs_init);
     while (!r.drive.is_idle()) {
         const duration idle = r.drive.step();
         r.wire.wait(idle.us == 0 ? microseconds(10) : idle);
@@ -260,14 +258,14 @@ TEST_CASE("G21: another facade of the drive that sets a cached row, or takes the
     REQUIRE(r.drive.run(init{}));
     REQUIRE(other.run(init{}));
     REQUIRE(other.run(zlac8015d::resolution{10}));
-    CHECK(r.drive.run(zlac8015d::enable{}).error() == errc::needs_init);
+    CHECK(r.drive.run(enable{}).error() == errc::needs_init);
     CHECK_FALSE(r.model.enabled());
 }
 
 TEST_CASE("G21: an axis that moves is not stopped by a setting of another client") {
     simulated::closed_axis a;
     enabled_yako::take(a);
-    REQUIRE(a.drive.run(yako::velocity{60 * r_per_min}));
+    REQUIRE(a.drive.run(velocity{60 * r_per_min}));
     client other{a.line, node<yako::closed_loop::device>{1}};
     REQUIRE(other.write<yako::microstep_resolution>(1000));
     a.requests.clear();

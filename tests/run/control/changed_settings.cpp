@@ -140,20 +140,19 @@ TEST_CASE("G21: however another client of the line writes the resolution, no spe
             CAPTURE(is_polled);
             rig r{{}, is_polled ? supervision{.command_timeout = no_command_timeout} : unsupervised};
             enabled_zlac8015d::be_enabled_in(r, operating_mode::velocity);
-            REQUIRE(r.drive.run(zlac8015d::velocity{20 * r_per_min, 20 * r_per_min}));
+            REQUIRE(r.drive.run(velocity{20 * r_per_min, 20 * r_per_min}));
             w.write(r);
             REQUIRE(r.model.peek(0x2022) == 10);
             const std::size_t frames = r.log.frames.size();
-            CHECK(r.drive.run(zlac8015d::velocity{30 * r_per_min, 30 * r_per_min}).error() ==
-                  errc::needs_init);
+            CHECK(r.drive.run(velocity{30 * r_per_min, 30 * r_per_min}).error() == errc::needs_init);
             CHECK(r.drive.state() == zlac8015d::drive_state::needs_init);
-            CHECK(r.drive.run(zlac8015d::enable{}).error() == errc::needs_init);
+            CHECK(r.drive.run(enable{}).error() == errc::needs_init);
             for (std::size_t i = frames; i < r.log.frames.size(); ++i)
                 CHECK_FALSE(is_motion(r.log.frames[i]));
             REQUIRE(r.drive.run(init{}));
             CHECK(r.drive.cached().resolution == 10);
-            REQUIRE(r.drive.run(zlac8015d::enable{}));
-            REQUIRE(r.drive.run(zlac8015d::velocity{30 * r_per_min, 30 * r_per_min}));
+            REQUIRE(r.drive.run(enable{}));
+            REQUIRE(r.drive.run(velocity{30 * r_per_min, 30 * r_per_min}));
             CHECK(r.model.peek(0x2088) == 300);
             ++played;
         }
@@ -164,7 +163,7 @@ TEST_CASE("G21: however another client of the line writes the resolution, no spe
 TEST_CASE("G21: a parameter that is refused changes nothing, and no settings become stale") {
     rig r;
     REQUIRE(r.drive.run(init{}));
-    REQUIRE(r.drive.run(zlac8015d::enable{}));
+    REQUIRE(r.drive.run(enable{}));
     const std::size_t frames = r.log.frames.size();
     CHECK(r.drive.begin(zlac8015d::set<zlac8015d::max_motor_speed>{500 * r_per_min}) == errc::wrong_state);
     CHECK(r.log.frames.size() == frames);
@@ -265,7 +264,7 @@ TEST_CASE("G21: other rows, reads, and writes that do not leave change nothing f
     constexpr auto pdu = hex("03 20 22 00 01");
     std::array<std::uint8_t, 4> response{};
     REQUIRE(other.transact(pdu, response));
-    REQUIRE(r.drive.run(zlac8015d::velocity{30 * r_per_min, 30 * r_per_min}));
+    REQUIRE(r.drive.run(velocity{30 * r_per_min, 30 * r_per_min}));
     CHECK(r.model.peek(0x2088) == 30);
 }
 
@@ -306,7 +305,7 @@ TEST_CASE("G21: a setting that a facade refuses leaves the settings of another f
     }
     CHECK(r.drive.begin(wanted) == errc::wrong_state);
     CHECK(other.state() == drive_state::disabled);
-    CHECK(other.begin(zlac8015d::read_feedback{}) == errc::ok);
+    CHECK(other.begin(read_feedback{}) == errc::ok);
 }
 
 } // namespace changed_settings_tests

@@ -98,7 +98,7 @@ struct hand {
 
 constexpr bool begins_with_a_stop() {
     hand h;
-    if (h.begin(zlac::init{}) != errc::ok) return false;
+    if (h.begin(init{}) != errc::ok) return false;
     while (h.writes == 0) {
         if (!h.turn(true)) return false;
     }
@@ -109,7 +109,7 @@ static_assert(begins_with_a_stop());
 // Nothing is known of the drive: all that stops it is sent, and nothing is believed of a silent drive.
 constexpr bool is_disabled(bool is_answered) {
     hand h;
-    if (h.begin(zlac::disable{}) != errc::ok) return false;
+    if (h.begin(disable{}) != errc::ok) return false;
     return bool{h.run(is_answered)} == is_answered && h.announced != 0;
 }
 static_assert(is_disabled(true) && is_disabled(false));
@@ -117,9 +117,9 @@ static_assert(is_disabled(true) && is_disabled(false));
 // Until the first byte leaves, a stop takes the place of what waits; then that is received, and not used.
 constexpr bool a_stop_takes_the_place(bool has_left) {
     hand h;
-    if (h.begin(zlac::init{}) != errc::ok || !h.load()) return false;
+    if (h.begin(init{}) != errc::ok || !h.load()) return false;
     if (has_left) h.drive.exchange().begin_leaving();
-    if (h.begin(zlac::quick_stop{}) != errc::ok) return false;
+    if (h.begin(quick_stop{}) != errc::ok) return false;
     if (has_left) return h.drive.is_on_the_wire() && h.drive.purpose() == flight::drained && h.abandoned == 0;
     return h.abandoned == 1 && h.drive.wants_stop() && h.drive.next(h.now, h) == flight::step;
 }
@@ -128,8 +128,8 @@ static_assert(a_stop_takes_the_place(true) && a_stop_takes_the_place(false));
 // A lost port ends the command at once, and nothing is known any more.
 constexpr bool a_lost_port_ends_it() {
     hand h;
-    if (h.begin(zlac::read_feedback{}) != errc::needs_init) return false;
-    if (h.begin(zlac::init{}) != errc::ok || !h.load()) return false;
+    if (h.begin(read_feedback{}) != errc::needs_init) return false;
+    if (h.begin(init{}) != errc::ok || !h.load()) return false;
     ++h.in.events.losses;
     h.in.misses += 0x100; // a miss of all nodes
     if (!h.drive.pass(h.now, h)) return false;
@@ -142,7 +142,7 @@ static_assert(a_lost_port_ends_it());
 // How a take-over has ended after another client's writes, the last one of node `changed`.
 constexpr errc after_changes(unsigned changes, std::uint8_t changed, unsigned losses = 0) {
     hand h;
-    if (h.begin(zlac::init{}) != errc::ok || !h.load()) return errc::bad_argument;
+    if (h.begin(init{}) != errc::ok || !h.load()) return errc::bad_argument;
     h.in.events.losses = static_cast<std::uint8_t>(h.in.events.losses + losses);
     h.in.events.changes = static_cast<std::uint8_t>(h.in.events.changes + changes);
     h.changed = changed;
@@ -163,11 +163,11 @@ static_assert(after_changes(0, 2, 8) == errc::port_lost);
 
 TEST_CASE("G19: a drive's machine is moved by hand, without a line") {
     hand h;
-    CHECK(h.begin(zlac::disable{}) == errc::ok);
+    CHECK(h.begin(disable{}) == errc::ok);
     CHECK(h.drive.wants_stop());
     CHECK_FALSE(h.run(false));
     const unsigned silent = h.frames;
-    CHECK(h.begin(zlac::disable{}) == errc::ok);
+    CHECK(h.begin(disable{}) == errc::ok);
     CHECK(h.run(true));
     CHECK(h.frames - silent < silent); // nothing is repeated
     CHECK_FALSE(h.turn(true));         // and nothing is polled

@@ -79,7 +79,7 @@ TEST_CASE("G26: the quick stop of a stepper that was not confirmed is repeated a
         simulated::closed_axis a;
         REQUIRE(a.drive.run(init{}));
         REQUIRE(a.drive.run(enable{}));
-        REQUIRE(a.drive.run(yako::velocity{60 * r_per_min}));
+        REQUIRE(a.drive.run(velocity{60 * r_per_min}));
         a.drive.repeat_stops(milliseconds(300));
         a.wire.faults().lost_request = 1000;
         const command_status ended = is_quick ? a.drive.run(quick_stop{}) : a.drive.run(halt{});
@@ -102,7 +102,7 @@ TEST_CASE("G26: a stop that was not confirmed is repeated as what it was") {
         REQUIRE(r.drive.run(init{}));
         REQUIRE(r.drive.run(zlac8015d::watchdog{8000 * millisecond}));
         REQUIRE(r.drive.run(enable{}));
-        REQUIRE(r.drive.run(zlac8015d::velocity{60 * r_per_min, -90 * r_per_min}));
+        REQUIRE(r.drive.run(velocity{60 * r_per_min, -90 * r_per_min}));
         r.drive.repeat_stops(milliseconds(300));
         r.wire.faults().lost_request = 1000;
         if (is_disable)

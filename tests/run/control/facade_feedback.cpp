@@ -29,10 +29,10 @@ struct polled : simulated::simulated_c630s {
     c630s::drive<line_type> servo{line, 1};
 
     void set_up() {
-        REQUIRE(servo.run(c630s::init{}));
+        REQUIRE(servo.run(init{}));
         REQUIRE(servo.run(c630s::set_up{}));
         model.power_cycle();
-        REQUIRE(servo.run(c630s::init{}));
+        REQUIRE(servo.run(init{}));
     }
     void turn() {
         const duration idle = servo.step();
@@ -70,7 +70,7 @@ struct placed_bench {
             REQUIRE(made.make_ready());
             port.model = placed{made.model};
         }
-        REQUIRE(servo.run(c630s::init{}));
+        REQUIRE(servo.run(init{}));
         REQUIRE(servo.restart_visible() == is_set_up);
     }
     void loop(std::uint32_t us) {
@@ -214,7 +214,7 @@ TEST_CASE("G36: a position that was held back when a take-over began is not deli
         b.port.requests.clear();
         b.until_position_is_asked();
         b.loop(later);
-        REQUIRE(b.servo.begin(c630s::init{}) == errc::ok);
+        REQUIRE(b.servo.begin(init{}) == errc::ok);
         b.port.model.place = 7000;
         while (!b.servo.is_idle()) b.loop(100);
         REQUIRE(b.servo.last());

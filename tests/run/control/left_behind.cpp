@@ -104,10 +104,10 @@ TEST_CASE("G34: a move that a stop replaces, after whichever of its frames, leav
     SUBCASE("YAKO") {
         check_replaced<simulated::closed_axis>(
             [](auto& a) {
-                REQUIRE(a.drive.run(yako::init{}));
-                REQUIRE(a.drive.run(yako::enable{}));
+                REQUIRE(a.drive.run(init{}));
+                REQUIRE(a.drive.run(enable{}));
             },
-            yako::move_by{100 * pulse}, halt{}, logged);
+            move_by{100 * pulse}, halt{}, logged);
     }
     SUBCASE("C630S") {
         check_replaced<simulated::driven_c630s>(

@@ -104,7 +104,7 @@ struct axis_rig : simulated::simulated_closed_loop {
         axis_model::told.clear();
         REQUIRE(axis.run(init{}));
         model.attach(simulated::yako_slide());
-        REQUIRE(axis.run(yako::move_by{2000 * pulse}));
+        REQUIRE(axis.run(move_by{2000 * pulse}));
         loop(3'000'000);
         REQUIRE(axis.run(yako::clear_position{}));
         station.set_response_delay(milliseconds(8));
@@ -142,7 +142,7 @@ TEST_CASE(
     wheels_rig r;
     REQUIRE(r.wheels.run(init{}));
     REQUIRE(r.wheels.run(enable{}));
-    REQUIRE(r.wheels.run(zlac8015d::velocity{100 * r_per_min, 100 * r_per_min}));
+    REQUIRE(r.wheels.run(velocity{100 * r_per_min, 100 * r_per_min}));
     const std::size_t before = wheels_model::told.size();
     const instant begun{static_cast<std::uint32_t>(r.wire.time_us())};
     r.loop(200);
@@ -170,7 +170,7 @@ TEST_CASE("the epoch of positions stays while a drive runs, is enabled, halted a
     r.loop(100);
     const std::size_t from = wheels_model::told.size() - 1;
     REQUIRE(r.wheels.run(enable{}));
-    REQUIRE(r.wheels.run(zlac8015d::velocity{100 * r_per_min, -100 * r_per_min}));
+    REQUIRE(r.wheels.run(velocity{100 * r_per_min, -100 * r_per_min}));
     r.loop(500);
     REQUIRE(r.wheels.run(quick_stop{}));
     REQUIRE(r.wheels.run(disable{}));
@@ -197,7 +197,7 @@ TEST_CASE("the epoch of positions changes after they were cleared, a restart and
     }
     SUBCASE("a restart that the image shows") {
         REQUIRE(r.wheels.run(enable{}));
-        REQUIRE(r.wheels.run(zlac8015d::velocity{100 * r_per_min, 100 * r_per_min}));
+        REQUIRE(r.wheels.run(velocity{100 * r_per_min, 100 * r_per_min}));
         r.loop(500);
         REQUIRE(r.wheels.run(halt{}));
         r.loop(100);
@@ -206,7 +206,7 @@ TEST_CASE("the epoch of positions changes after they were cleared, a restart and
     }
     SUBCASE("a restart that shows by the position alone, since the drive has no witness") {
         REQUIRE(r.wheels.run(enable{}));
-        REQUIRE(r.wheels.run(zlac8015d::velocity{100 * r_per_min, 100 * r_per_min}));
+        REQUIRE(r.wheels.run(velocity{100 * r_per_min, 100 * r_per_min}));
         r.loop(500);
         REQUIRE(r.wheels.run(disable{}));
         r.loop(100);

@@ -278,8 +278,8 @@ namespace {
 // Wheels in a loop, with all that was reported.
 struct rig {
     simulated::finer_zlac8015d r{{}, supervised};
-    setpoint_loop<wheels_drive, decltype(wheel_settings), enable, setpoints<z::velocity>> loop{
-        r.drive, wheel_settings, enable{}, setpoints<z::velocity>{}};
+    setpoint_loop<wheels_drive, decltype(wheel_settings), enable, setpoints<z::wheel_velocities>> loop{
+        r.drive, wheel_settings, enable{}, setpoints<z::wheel_velocities>{}};
     std::vector<loop_report> reports;
 
     void turn() {
@@ -666,7 +666,7 @@ TEST_CASE("a stop goes before everything else, and motion needs a consent after 
         CHECK(t.r.drive.state() == drive_state::enabled);
         CHECK(t.count(loop_part::stop, errc::ok) == 1);
         CHECK_FALSE(t.is_moving());
-        CHECK(t.loop.begin(z::velocity{30 * r_per_min, 30 * r_per_min}) == errc::wrong_state);
+        CHECK(t.loop.begin(velocity{30 * r_per_min, 30 * r_per_min}) == errc::wrong_state);
         constexpr auto energises = modbus::write_frame(1, 0x200E, 0x0008);
         const std::size_t enables = t.r.sent(energises);
         CHECK(enables == 1);
@@ -790,19 +790,19 @@ TEST_CASE("a lift is moved through its loop") {
         }
     };
     constexpr y::motion_profile slow{5 * r_per_min, 100 * millisecond, 100 * millisecond, 120 * r_per_min};
-    CHECK(loop.begin(y::move_by{1000 * pulse, slow}) == errc::needs_init);
+    CHECK(loop.begin(move_by{1000 * pulse, slow}) == errc::needs_init);
     go(3000);
     REQUIRE(loop.is_taken_over());
     CHECK(r.drive.state() == drive_state::disabled);
-    CHECK(loop.begin(y::move_by{1000 * pulse, slow}) == errc::wrong_state);
+    CHECK(loop.begin(move_by{1000 * pulse, slow}) == errc::wrong_state);
     CHECK(loop.begin(y::set_output{}) != errc::wrong_state);
     go(500);
     loop.enable();
     go(500);
     REQUIRE(loop.is_motion_allowed());
     const std::int64_t before = r.place();
-    REQUIRE(loop.begin(y::move_by{500 * pulse, slow}) == errc::ok);
-    CHECK(loop.begin(y::move_by{500 * pulse, slow}) == errc::busy);
+    REQUIRE(loop.begin(move_by{500 * pulse, slow}) == errc::ok);
+    CHECK(loop.begin(move_by{500 * pulse, slow}) == errc::busy);
     go(300);
     CHECK(loop.begin(wait_reached{}) == errc::ok);
     go(4000);
@@ -811,13 +811,13 @@ TEST_CASE("a lift is moved through its loop") {
     CHECK(reports.back().what == loop_part::command);
     CHECK(reports.back().how);
     // A wired stop ends that motion is allowed although the stepper stays energised.
-    REQUIRE(loop.begin(y::move_by{2000 * pulse, slow}) == errc::ok);
+    REQUIRE(loop.begin(move_by{2000 * pulse, slow}) == errc::ok);
     go(300);
     CHECK(loop.halt() == errc::ok);
     go(1000);
     CHECK(r.drive.state() == drive_state::enabled);
     CHECK_FALSE(r.is_moving());
-    CHECK(loop.begin(y::move_by{500 * pulse, slow}) == errc::wrong_state);
+    CHECK(loop.begin(move_by{500 * pulse, slow}) == errc::wrong_state);
 }
 
 TEST_CASE("a stepper that a wired stop has stopped stays at rest once that is released") {
@@ -875,7 +875,7 @@ TEST_CASE(
         loop.enable();
         go(500);
         REQUIRE(loop.is_motion_allowed());
-        REQUIRE(loop.begin(y::move_by{way * pulse, slow}) == errc::ok);
+        REQUIRE(loop.begin(move_by{way * pulse, slow}) == errc::ok);
         go(300);
         r.model.set_input(3, is_stopped);
         loop.set(wait);
@@ -1029,7 +1029,7 @@ TEST_CASE("a bus steps the drives, and their loops command them") {
     tests::wheels_and_lift_program p{m.wire};
     m.wheels_model.store(0x2022, 10);
     m.wheels_model.power_cycle();
-    setpoint_loop wheels{p.wheels, wheel_settings, enable{}, setpoints<z::velocity>{}};
+    setpoint_loop wheels{p.wheels, wheel_settings, enable{}, setpoints<z::wheel_velocities>{}};
     setpoint_loop lift{p.lift, take_over{disable{}}};
     const auto go = [&](std::uint32_t ms, std::int32_t speed) {
         const std::uint64_t end = m.wire.time_us() + std::uint64_t{ms} * 1000;

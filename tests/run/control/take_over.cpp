@@ -28,21 +28,22 @@ namespace c = servobus::c630s;
 // What moves or energises.
 template <class Model, class... Commands> constexpr bool all_move = (may_move<Model, Commands> && ...);
 template <class Model, class... Commands> constexpr bool none_moves = (!may_move<Model, Commands> && ...);
-static_assert(all_move<z::model, enable, z::enable_in, z::velocity, z::left_velocity, z::right_velocity,
-                       z::clamped_velocity, z::torque, z::left_torque, z::right_torque, z::move_by,
-                       z::move_left_by, z::move_right_by, z::move_to, z::move_left_to, z::move_right_to>);
+static_assert(
+    all_move<z::model, enable, z::enable_in, z::wheel_velocities, z::left_velocity, z::right_velocity,
+             z::clamped_velocity, z::torque, z::left_torque, z::right_torque, z::wheel_ways, z::move_left_by,
+             z::move_right_by, z::wheel_places, z::move_left_to, z::move_right_to>);
 static_assert(none_moves<z::model, init, disable, halt, quick_stop, fault_reset, read_feedback,
                          wait_standstill, wait_reached, z::resolution, z::watchdog, z::ramps, z::save,
                          z::park, z::clear_position, z::factory_reset, z::brakes, z::quick_stop_by>);
 using stepper = y::model<y::closed_loop::device>;
+static_assert(all_move<stepper, enable, y::relative_move, y::absolute_move, y::jog_velocity, y::bounded_jog,
+                       y::closed_loop::home>);
 static_assert(
-    all_move<stepper, enable, y::move_by, y::move_to, y::velocity, y::bounded_jog, y::closed_loop::home>);
-static_assert(
-    none_moves<stepper, disable, y::declare_position, y::accept_position, y::clear_position, y::set_input,
-               y::set_output, y::set_profile, y::set_homing_profile, y::limit_travel, y::save>);
-static_assert(all_move<c::model, enable, c::enable_in, c::velocity, c::torque, c::jog, c::run_speed_segments,
-                       c::start_segment, c::start_segments, c::make_step, c::home, c::home_electrically,
-                       c::select_speed_segment>);
+    none_moves<stepper, disable, y::position_declaration, y::accept_position, y::clear_position, y::set_input,
+               y::set_output, y::set_profile, y::set_homing_profile, y::travel_bounds, y::save>);
+static_assert(all_move<c::model, enable, c::enable_in, c::motor_velocity, c::torque, c::jog,
+                       c::run_speed_segments, c::start_segment, c::start_segments, c::make_step, c::home,
+                       c::home_electrically, c::select_speed_segment>);
 static_assert(none_moves<c::model, disable, c::set_up, c::ramps, c::torque_limits, c::segment,
                          c::position_segments, c::homing_by, c::set_home, c::step_size, c::read_status>);
 

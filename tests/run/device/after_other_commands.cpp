@@ -103,7 +103,7 @@ TEST_CASE("a YAKO's commands send the same after each other command as alone") {
         be_ready,
         {play("a move", move_by{20 * pulse, slow}, wait_reached{}),
          play("a move to a place", move_to{-20 * pulse, slow}, wait_reached{}),
-         play("a jog", yako::velocity{60 * r_per_min}, halt{}),
+         play("a jog", velocity{60 * r_per_min}, halt{}),
          play("a bounded jog", bounded_jog{30 * pulse, slow}, wait_standstill{}),
          play("a hold", hold{60 * r_per_min, milliseconds(50)}, halt{}),
          play("a position", declare_position{70'000 * pulse}), play("a disable", disable{}, enable{}),
@@ -111,19 +111,18 @@ TEST_CASE("a YAKO's commands send the same after each other command as alone") {
          play("segments", set_position_segment{2, 70'000 * pulse, 90 * r_per_min},
               set_speed_segment{2, 90 * r_per_min}),
          play("a reset", fault_reset{}),
-         play("limits", limit_travel{70'000 * pulse, -70'000 * pulse}, unlimit_travel{}),
+         play("limits", limit_travel{-70'000 * pulse, 70'000 * pulse}, unlimit_travel{}),
          play("a read", read_feedback{}), play("another init", init{}, declare_position{0 * pulse}),
          failing<axis>(
              "a refused move",
              move_by{20 * pulse, {10 * r_per_min, 90 * millisecond, 80 * millisecond, 3001 * r_per_min}}),
          failing<axis>("a refused wait", wait_reached{})},
         {play("a move", move_by{20 * pulse, slow}), play("a move to a place", move_to{200'000 * pulse, slow}),
-         play("a jog", yako::velocity{-60 * r_per_min}),
-         play("a bounded jog", bounded_jog{-30 * pulse, slow}),
+         play("a jog", velocity{-60 * r_per_min}), play("a bounded jog", bounded_jog{-30 * pulse, slow}),
          play("a position", declare_position{80'000 * pulse}), play("halt", halt{}),
          play("quick stop", quick_stop{}), play("disable", disable{}),
          play("a segment", set_position_segment{3, 80'000 * pulse, 80 * r_per_min}),
-         play("limits", limit_travel{60'000 * pulse, -60'000 * pulse}), play("a read", read_feedback{}),
+         play("limits", limit_travel{-60'000 * pulse, 60'000 * pulse}), play("a read", read_feedback{}),
          play("a wait", wait_standstill{}), play("an input's move", set_input_move{300 * pulse, slow})});
 }
 
@@ -144,7 +143,7 @@ TEST_CASE("a C630S's commands send the same after each other command as alone") 
     const segment way{1, 3000 * reference_unit, 600 * r_per_min};
     check_all<servo>(
         be_ready,
-        {play("speed", enable{}, c630s::velocity{30 * r_per_min}, halt{}, disable{}),
+        {play("speed", enable{}, velocity{30 * r_per_min}, halt{}, disable{}),
          play("a jog", enable{}, jog{-30 * r_per_min}, halt{}, disable{}),
          play("a jog that is disabled", enable{}, jog{30 * r_per_min}, disable{}),
          play("torque", torque, c630s::torque{2 * percent}, disable{}),
@@ -167,7 +166,7 @@ TEST_CASE("a C630S's commands send the same after each other command as alone") 
          play("limits", torque_limits{70 * percent, 60 * percent}), play("a read", read_feedback{}),
          play("set home", set_home{}),
          play("enabled and moved", enable_in{control_mode::position}, start_segment{2}),
-         play("enabled and turned", enable{}, c630s::velocity{20 * r_per_min}, halt{})});
+         play("enabled and turned", enable{}, velocity{20 * r_per_min}, halt{})});
 }
 
 TEST_CASE("a ZLAC8015D's commands send the same after each other command as alone") {
@@ -180,11 +179,11 @@ TEST_CASE("a ZLAC8015D's commands send the same after each other command as alon
         torque{operating_mode::torque};
     check_all<dual_servo>(
         be_ready,
-        {play("speeds", enable{}, zlac8015d::velocity{30 * r_per_min, -40 * r_per_min}, halt{}, disable{}),
+        {play("speeds", enable{}, velocity{30 * r_per_min, -40 * r_per_min}, halt{}, disable{}),
          play("speeds that are disabled", enable{}, left_velocity{30 * r_per_min}, disable{}),
          play("currents", torque, zlac8015d::torque{1000 * milliampere, -2000 * milliampere}, disable{}),
-         play("a move", relative, zlac8015d::move_by{40 * pulse, -50 * pulse}, wait_reached{}, disable{}),
-         play("a move that is cut", absolute, zlac8015d::move_to{4000 * pulse, -5000 * pulse}, disable{}),
+         play("a move", relative, move_by{40 * pulse, -50 * pulse}, wait_reached{}, disable{}),
+         play("a move that is cut", absolute, move_to{4000 * pulse, -5000 * pulse}, disable{}),
          play("a move of one wheel",
               enable_in{operating_mode::relative_position, synchronisation::asynchronous},
               move_right_by{40 * pulse}, wait_reached{}, disable{}),
@@ -192,16 +191,15 @@ TEST_CASE("a ZLAC8015D's commands send the same after each other command as alon
          play("a save", save{}), play("ramps", ramps{100 * millisecond, 200 * millisecond}),
          play("cleared positions", clear_position{}), play("a read", read_feedback{}),
          play("another init", init{}), failing<dual_servo>("a refused wait", wait_reached{}),
-         failing<dual_servo>("a refused speed", zlac8015d::velocity{30 * r_per_min, 30 * r_per_min})},
+         failing<dual_servo>("a refused speed", velocity{30 * r_per_min, 30 * r_per_min})},
         {play("enable", enable{}), play("in torque", torque), play("in relative positions", relative),
          play("in absolute positions", absolute), play("disable", disable{}), play("a reset", fault_reset{}),
          play("a save", save{}), play("cleared positions", clear_position{}),
          play("the watchdog", zlac8015d::watchdog{800 * millisecond}), play("a read", read_feedback{}),
          play("init", init{}),
-         play("enabled and turned", enable{}, zlac8015d::velocity{10 * r_per_min, 10 * r_per_min}, halt{},
-              quick_stop{}),
+         play("enabled and turned", enable{}, velocity{10 * r_per_min, 10 * r_per_min}, halt{}, quick_stop{}),
          play("enabled and moved", enable_in{operating_mode::relative_position},
-              zlac8015d::move_by{10 * pulse, 10 * pulse}, wait_reached{})});
+              move_by{10 * pulse, 10 * pulse}, wait_reached{})});
 }
 
 } // namespace after_other_commands_tests

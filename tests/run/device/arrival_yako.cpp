@@ -193,7 +193,7 @@ namespace {
 struct move_somewhere {
     distance way;
     constexpr prepared_command prepare(const cached_settings& cached) const {
-        prepared_command o = move_by{way, brisk}.prepare(cached);
+        prepared_command o = commands::prepared(move_by{way, brisk}, cached);
         o.has_target = false;
         return o;
     }
@@ -354,7 +354,7 @@ TEST_CASE("G34: a place is no end of the counter's range to a move that goes bac
     known.is_homed = true;
     known.has_scale = known.has_profile = true;
     known.word_order = word_order::high_first;
-    const prepared_command c = move_to{1000 * pulse, brisk}.prepare(known);
+    const prepared_command c = commands::prepared(move_to{1000 * pulse, brisk}, known);
     REQUIRE(c.refusal == errc::ok);
     std::uint16_t words[8]{};
     words[routines::position_at] = 0x7FFF;

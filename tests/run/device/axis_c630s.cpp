@@ -65,14 +65,14 @@ constexpr auto ways = c630s::displacement_type::relative;
 TEST_CASE("an axis goes to places by its own segment, and says where it is") {
     rig r{ram};
     r.enable_for(places);
-    CHECK(r.drive.run(travel_to{12.5_mm, quick}, wait_reached{}).how == arrival_state::reached);
+    CHECK(r.drive.run(move_to{12.5_mm, quick}, wait_reached{}).how == arrival_state::reached);
     CHECK(r.units() == 25'000);
     CHECK(r.model.peek(servobus::at<c630s::position_segment_wait_times, 15>.address) == 0);
     CHECK(r.off(12.5_mm) <= 1);
-    CHECK(r.drive.run(travel_to{-0.4_mm, quick}, wait_reached{}).how == arrival_state::reached);
+    CHECK(r.drive.run(move_to{-0.4_mm, quick}, wait_reached{}).how == arrival_state::reached);
     CHECK(r.units() == -800);
     CHECK(r.off(-0.4_mm) <= 1);
-    CHECK(r.drive.begin(travel_by{1_mm, quick}) == errc::wrong_state);
+    CHECK(r.drive.begin(move_by{1_mm, quick}) == errc::wrong_state);
 }
 
 TEST_CASE("where an axis is follows from its position only, whichever block is read") {
@@ -80,7 +80,7 @@ TEST_CASE("where an axis is follows from its position only, whichever block is r
           c630s::encoder_counts::unknown,
           {.feedback = milliseconds(20), .command_timeout = no_command_timeout}};
     r.enable_for(places);
-    REQUIRE(r.drive.run(travel_to{12.5_mm, quick}, wait_reached{}).how == arrival_state::reached);
+    REQUIRE(r.drive.run(move_to{12.5_mm, quick}, wait_reached{}).how == arrival_state::reached);
     const std::uint64_t end = r.wire.time_us() + 300'000;
     std::size_t looks = 0;
     while (r.wire.time_us() < end) {
@@ -105,7 +105,7 @@ TEST_CASE("a mirrored axis, by segments that were set before") {
     CHECK(r.off(7.5_mm) <= 1);
     CHECK(r.drive.run(c630s::start_segment{3}, wait_reached{}).how == arrival_state::reached);
     CHECK(r.units() == 5000);
-    CHECK(r.drive.run(travel_to{5_mm, quick}, wait_reached{}).how == arrival_state::reached);
+    CHECK(r.drive.run(move_to{5_mm, quick}, wait_reached{}).how == arrival_state::reached);
     CHECK(r.units() == -10'000);
 }
 
@@ -115,11 +115,11 @@ TEST_CASE("G42: a mirrored axis has its ways and speeds the other way round, and
         const int sign = of == &ram ? 1 : -1;
         r.enable_for(ways);
         const std::int64_t from = r.units();
-        CHECK(r.drive.run(travel_by{7.5_mm, quick}, wait_reached{}).how == arrival_state::reached);
+        CHECK(r.drive.run(move_by{7.5_mm, quick}, wait_reached{}).how == arrival_state::reached);
         CHECK(r.units() - from == sign * 15'000);
         CHECK(r.model.peek(servobus::at<c630s::position_segment_speeds, 15>.address) == 600); // r/min
         CHECK(r.model.peek(servobus::at<c630s::position_segment_acceleration_times, 15>.address) == 50);
-        CHECK(r.drive.run(travel_by{-2.5_mm, quick}, wait_reached{}).how == arrival_state::reached);
+        CHECK(r.drive.run(move_by{-2.5_mm, quick}, wait_reached{}).how == arrival_state::reached);
         CHECK(r.units() - from == sign * 10'000);
         REQUIRE(r.drive.run(disable{}));
         REQUIRE(r.drive.run(c630s::enable_in{c630s::control_mode::speed}));
@@ -129,10 +129,10 @@ TEST_CASE("G42: a mirrored axis has its ways and speeds the other way round, and
             return r.drive.speed(milliseconds(1000))->count();
         };
         const std::int64_t before = r.model.position();
-        REQUIRE(r.drive.run(travel_at{10_mm_per_s}));
+        REQUIRE(r.drive.run(velocity{10_mm_per_s}));
         CHECK(speed_after() > 9'900);
         CHECK((r.model.position() - before) * sign > 0);
-        REQUIRE(r.drive.run(travel_at{-10_mm_per_s}));
+        REQUIRE(r.drive.run(velocity{-10_mm_per_s}));
         CHECK(speed_after() < -9'900);
     }
 }
@@ -142,12 +142,12 @@ TEST_CASE("ways do not drift, and the rest is kept over what is refused") {
     r.enable_for(ways);
     std::int64_t commanded = 0;
     for (int i = 1; i <= 30; ++i) {
-        REQUIRE(r.drive.run(travel_by{100_um, quick}, wait_reached{}).how ==
+        REQUIRE(r.drive.run(move_by{100_um, quick}, wait_reached{}).how ==
                 arrival_state::reached); // 333.3 units
         commanded += r.model.peek(servobus::at<c630s::position_segment_displacements, 15>.address);
         CHECK(commanded == (i * 1000 + 1) / 3);
         if (i % 5 == 0) CHECK(r.drive.run(halt{}).error() == errc::wrong_state);
-        if (i % 7 == 0) CHECK(r.drive.begin(travel_by{2148_m, quick}) == errc::out_of_range);
+        if (i % 7 == 0) CHECK(r.drive.begin(move_by{2148_m, quick}) == errc::out_of_range);
     }
     CHECK(r.off(3000_um) <= 2); // the drive rounds each way to its encoder
 }
@@ -159,7 +159,7 @@ TEST_CASE("a gear that keeps what is below a count of the encoder does not drift
         r.enable_for(ways);
         const std::int64_t from = r.model.position();
         for (int i = 0; i < 100; ++i)
-            REQUIRE(r.drive.run(travel_by{475_um, quick}, wait_reached{}).how == arrival_state::reached);
+            REQUIRE(r.drive.run(move_by{475_um, quick}, wait_reached{}).how == arrival_state::reached);
         CHECK(r.model.position() - from == (keeps ? 622'592 : 622'500));
     }
 }
@@ -169,15 +169,15 @@ TEST_CASE("speeds, in whole r/min of the motor") {
     r.enable_for(places);
     REQUIRE(r.drive.run(disable{}));
     REQUIRE(r.drive.run(c630s::enable_in{c630s::control_mode::speed}));
-    REQUIRE(r.drive.run(travel_at{-10.04_mm_per_s})); // 120.48 r/min
+    REQUIRE(r.drive.run(velocity{-10.04_mm_per_s})); // 120.48 r/min
     r.wire.pass(milliseconds(1500));
     REQUIRE(r.drive.read());
     const std::int32_t um_per_s = r.drive.speed(milliseconds(1000))->count();
     CHECK(um_per_s >= -10'100);
     CHECK(um_per_s <= -9'900);
-    CHECK(r.drive.begin(travel_at{1_um_per_s}) == errc::out_of_range);
-    CHECK(r.drive.begin(travel_at{2147_m_per_s}) == errc::out_of_range);
-    CHECK(r.drive.run(travel_at{0_mm_per_s}));
+    CHECK(r.drive.begin(velocity{1_um_per_s}) == errc::out_of_range);
+    CHECK(r.drive.begin(velocity{2147_m_per_s}) == errc::out_of_range);
+    CHECK(r.drive.run(velocity{0_mm_per_s}));
 }
 
 TEST_CASE("the speed of a segment is rounded to whole r/min, also of a mirrored axis") {
@@ -200,7 +200,7 @@ TEST_CASE("an axis whose speed is not commanded any more stops") {
     r.enable_for(places);
     REQUIRE(r.drive.run(disable{}));
     REQUIRE(r.drive.run(c630s::enable_in{c630s::control_mode::speed}));
-    REQUIRE(r.drive.run(travel_at{10_mm_per_s}));
+    REQUIRE(r.drive.run(velocity{10_mm_per_s}));
     const auto live = [&r](std::uint32_t ms) {
         for (const std::uint64_t end = r.wire.time_us() + ms * 1000; r.wire.time_us() < end;) {
             const duration idle = r.drive.step();
@@ -215,32 +215,29 @@ TEST_CASE("an axis whose speed is not commanded any more stops") {
 
 TEST_CASE("bad input: nothing is sent") {
     rig r{ram};
-    CHECK(r.drive.begin(travel_to{1_mm, quick}) == errc::needs_init);
+    CHECK(r.drive.begin(move_to{1_mm, quick}) == errc::needs_init);
     r.enable_for(places);
     const std::size_t before = r.requests.size();
-    CHECK(r.drive.begin(travel_to{1_mm}) == errc::bad_argument);
-    CHECK(r.drive.begin(travel_to{1_mm, {.top = 5_mm_per_s, .acceleration = 10_ms}}) == errc::bad_argument);
-    CHECK(r.drive.begin(travel_to{1_mm, {.top = 5_mm_per_s, .start = 1_mm_per_s}}) == errc::bad_argument);
-    CHECK(r.drive.begin(travel_to{1_mm, {.top = 5_mm_per_s, .acceleration = 10_ms, .deceleration = 20_ms}}) ==
+    CHECK(r.drive.begin(move_to{1_mm}) == errc::bad_argument);
+    CHECK(r.drive.begin(move_to{1_mm, {.top = 5_mm_per_s, .acceleration = 10_ms}}) == errc::bad_argument);
+    CHECK(r.drive.begin(move_to{1_mm, {.top = 5_mm_per_s, .start = 1_mm_per_s}}) == errc::bad_argument);
+    CHECK(r.drive.begin(move_to{1_mm, {.top = 5_mm_per_s, .acceleration = 10_ms, .deceleration = 20_ms}}) ==
           errc::bad_argument);
     CHECK(
-        r.drive.begin(travel_to{
+        r.drive.begin(move_to{
             1_mm, {.top = 5_mm_per_s, .acceleration = 10_ms, .deceleration = 10_ms, .start = 1_mm_per_s}}) ==
         errc::bad_argument);
-    CHECK(r.drive.begin(travel_to{1_mm, {.top = 1_um_per_s, .acceleration = 10_ms, .deceleration = 10_ms}}) ==
+    CHECK(r.drive.begin(move_to{1_mm, {.top = 1_um_per_s, .acceleration = 10_ms, .deceleration = 10_ms}}) ==
           errc::out_of_range);
-    CHECK(r.drive.begin(travel_to{1_mm, {.top = 5_mm_per_s}}) == errc::bad_argument);
-    CHECK(
-        r.drive.begin(travel_to{1_mm, {.top = -5_mm_per_s, .acceleration = 10_ms, .deceleration = 10_ms}}) ==
-        errc::bad_argument);
-    CHECK(
-        r.drive.begin(travel_to{1_mm, {.top = 510_mm_per_s, .acceleration = 10_ms, .deceleration = 10_ms}}) ==
-        errc::out_of_range); // 6120 r/min
-    CHECK(
-        r.drive.begin(travel_to{1_mm, {.top = 2147_m_per_s, .acceleration = 10_ms, .deceleration = 10_ms}}) ==
-        errc::out_of_range);
-    CHECK(r.drive.begin(travel_to{2148_m, quick}) == errc::out_of_range);
-    CHECK(r.drive.begin(travel_to{1000_m, quick}) == errc::out_of_range); // 2e9 units
+    CHECK(r.drive.begin(move_to{1_mm, {.top = 5_mm_per_s}}) == errc::bad_argument);
+    CHECK(r.drive.begin(move_to{1_mm, {.top = -5_mm_per_s, .acceleration = 10_ms, .deceleration = 10_ms}}) ==
+          errc::bad_argument);
+    CHECK(r.drive.begin(move_to{1_mm, {.top = 510_mm_per_s, .acceleration = 10_ms, .deceleration = 10_ms}}) ==
+          errc::out_of_range); // 6120 r/min
+    CHECK(r.drive.begin(move_to{1_mm, {.top = 2147_m_per_s, .acceleration = 10_ms, .deceleration = 10_ms}}) ==
+          errc::out_of_range);
+    CHECK(r.drive.begin(move_to{2148_m, quick}) == errc::out_of_range);
+    CHECK(r.drive.begin(move_to{1000_m, quick}) == errc::out_of_range); // 2e9 units
     CHECK(r.drive.begin(c630s::axis_segment{1, 2148_m, 5_mm_per_s}) == errc::out_of_range);
     CHECK(r.drive.begin(c630s::axis_segment{1, 1_mm, 0_mm_per_s}) == errc::out_of_range);
     CHECK(r.requests.size() == before);
@@ -271,7 +268,7 @@ TEST_CASE("a stop between setting a segment and starting it: it is not started")
     r.enable_for(places);
     std::size_t between = 0;
     for (int turns = 1; turns < 400; ++turns) {
-        REQUIRE(r.drive.begin(travel_to{turns % 2 == 0 ? 1_mm : 2_mm, quick}) == errc::ok);
+        REQUIRE(r.drive.begin(move_to{turns % 2 == 0 ? 1_mm : 2_mm, quick}) == errc::ok);
         for (int i = 0; i < turns && !r.drive.is_idle(); ++i) {
             const duration idle = r.drive.step();
             r.wire.wait(idle.us == 0 || idle.us > 200 ? microseconds(200) : idle);
@@ -290,7 +287,7 @@ TEST_CASE("a stop between setting a segment and starting it: it is not started")
 TEST_CASE("a way that was set and not started leaves no rest") {
     rig r{third};
     r.enable_for(ways);
-    REQUIRE(r.drive.run(travel_by{100_um, quick}, wait_reached{}).how == arrival_state::reached);
+    REQUIRE(r.drive.run(move_by{100_um, quick}, wait_reached{}).how == arrival_state::reached);
     const auto set = [&] {
         return r.model.peek(servobus::at<c630s::position_segment_displacements, 15>.address);
     };
@@ -298,7 +295,7 @@ TEST_CASE("a way that was set and not started leaves no rest") {
     std::size_t between = 0;
     for (int turns = 1; turns < 400; ++turns) {
         const std::int64_t was = r.units();
-        REQUIRE(r.drive.begin(travel_by{100_um, quick}) == errc::ok);
+        REQUIRE(r.drive.begin(move_by{100_um, quick}) == errc::ok);
         for (int i = 0; i < turns && !r.drive.is_idle(); ++i) {
             const duration idle = r.drive.step();
             r.wire.wait(idle.us == 0 || idle.us > 200 ? microseconds(200) : idle);
@@ -328,7 +325,7 @@ TEST_CASE("a drive whose reference units are worth something else is not taken o
         CHECK_FALSE(is_known);
         CHECK(r.drive.last().error() == errc::unexpected_value);
         CHECK(r.drive.state() == drive_state::needs_init);
-        CHECK(r.drive.begin(travel_at{1_mm_per_s}) == errc::needs_init);
+        CHECK(r.drive.begin(velocity{1_mm_per_s}) == errc::needs_init);
     }
     SUBCASE("the gear says the same as the program, of this encoder") {
         rig r{ram, c630s::encoder_counts::of_17_bits};

@@ -39,7 +39,7 @@ template <class Rig> struct ready : Rig {
     explicit ready(const axis& of, const supervision& by = without_watchdog) : Rig{of, by} {
         REQUIRE(this->drive.run(init{}));
         REQUIRE(this->drive.run(enable{}));
-        REQUIRE(this->drive.run(declare_place{0_mm}));
+        REQUIRE(this->drive.run(declare_position{0_mm}));
     }
     std::int64_t pulses() const { return this->model.view().position; }
     /// Reads the feedback and says where the axis is.
@@ -47,8 +47,8 @@ template <class Rig> struct ready : Rig {
         REQUIRE(this->drive.read());
         return *this->drive.position(milliseconds(100));
     }
-    arrival_state to(const travel_to& there) { return this->drive.run(there, wait_reached{}).how; }
-    arrival_state by(const travel_by& way) { return this->drive.run(way, wait_reached{}).how; }
+    arrival_state to(const axis_move_to& there) { return this->drive.run(there, wait_reached{}).how; }
+    arrival_state by(const axis_move_by& way) { return this->drive.run(way, wait_reached{}).how; }
     void loop(std::uint32_t ms) {
         const std::uint64_t end = this->wire.time_us() + std::uint64_t{ms} * 1000u;
         while (this->wire.time_us() < end) {
@@ -76,10 +76,10 @@ TEST_CASE("a mirrored axis: commands, feedback, limits and declared places") {
     CHECK(r.to({12.5_mm, quick}) == arrival_state::reached);
     CHECK(r.pulses() == -2500);
     CHECK(r.place() == 12.5_mm);
-    REQUIRE(r.drive.run(declare_place{20_mm}));
+    REQUIRE(r.drive.run(declare_position{20_mm}));
     CHECK(r.place() == 20_mm);
     REQUIRE(r.drive.run(yako::set_over_travel_stop{yako::over_travel_stop::emergency_stop}));
-    REQUIRE(r.drive.run(travel_limits{.lowest = 10_mm, .highest = 30_mm}));
+    REQUIRE(r.drive.run(limit_travel{10_mm, 30_mm}));
     const auto limit = [&](std::uint16_t at) {
         const u32 raw = join_words(r.model.peek(at), r.model.peek(static_cast<std::uint16_t>(at + 1)),
                                    word_order::high_first);
@@ -87,12 +87,12 @@ TEST_CASE("a mirrored axis: commands, feedback, limits and declared places") {
     };
     CHECK(limit(yako::positive_software_limit.address) == -2000);
     CHECK(limit(yako::negative_software_limit.address) == -6000);
-    const axis_arrival far = r.drive.run(travel_to{40_mm, quick}, wait_reached{});
+    const axis_arrival far = r.drive.run(move_to{40_mm, quick}, wait_reached{});
     CHECK(far.how == arrival_state::stopped_short);
     CHECK(far.cause == stop_cause::software_limit);
     CHECK(far.missing.count() > 9'000);
     CHECK(far.missing.count() < 10'100);
-    REQUIRE(r.drive.run(travel_at{-20_mm_per_s}));
+    REQUIRE(r.drive.run(velocity{-20_mm_per_s}));
     r.loop(300);
     CHECK(r.model.view().speed > 0);
     REQUIRE(r.drive.read());
@@ -123,12 +123,12 @@ TEST_CASE_TEMPLATE("G42: a mirrored axis takes all fields of a profile as any ot
         CHECK(r.pulses() == sign * -1500);
         constexpr axis_profile early{
             .top = 5_mm_per_s, .acceleration = 60_ms, .deceleration = 40_ms, .start = 5.1_mm_per_s};
-        CHECK(r.drive.begin(travel_to{0_mm, early}) == errc::bad_argument);
+        CHECK(r.drive.begin(move_to{0_mm, early}) == errc::bad_argument);
         for (const int way : {1, -1}) {
             const std::int64_t from = r.pulses();
             const micrometres_per_second speed = way == 1 ? 20_mm_per_s : -20_mm_per_s;
             for (int i = 0; i < 10; ++i) {
-                REQUIRE(r.drive.begin(servobus::hold_at{speed, milliseconds(50)}) == errc::ok);
+                REQUIRE(r.drive.begin(hold{speed, milliseconds(50)}) == errc::ok);
                 r.loop(50);
             }
             CHECK((r.pulses() - from) * sign * way > 1000); // 5 mm
@@ -142,10 +142,10 @@ TEST_CASE("G42: ways that are no whole number of pulses do not drift; what did n
     for (int i = 1; i <= 300; ++i) {
         REQUIRE(r.by({100_um, quick}) == arrival_state::reached); // 33.3 pulses
         CHECK(r.pulses() == (i * 100 + 1) / 3);
-        if (i % 10 == 0) CHECK(r.drive.begin(travel_by{2148_m, quick}) == errc::out_of_range);
+        if (i % 10 == 0) CHECK(r.drive.begin(move_by{2148_m, quick}) == errc::out_of_range);
         if (i % 20 != 0) continue;
-        REQUIRE(r.drive.begin(travel_by{100_um, quick}) == errc::ok);
-        CHECK(r.drive.begin(travel_by{50_um, quick}) == errc::busy);
+        REQUIRE(r.drive.begin(move_by{100_um, quick}) == errc::ok);
+        CHECK(r.drive.begin(move_by{50_um, quick}) == errc::busy);
         while (!r.drive.is_idle()) (void)r.drive.step();
         REQUIRE(r.drive.run(wait_reached{}));
         REQUIRE(r.by({-100_um, quick}) == arrival_state::reached);
@@ -163,7 +163,7 @@ TEST_CASE("the rest is kept over a halt, and dropped where the position is decla
     REQUIRE(r.by({100_um, quick}) == arrival_state::reached);
     REQUIRE(r.by({100_um, quick}) == arrival_state::reached);
     CHECK(r.pulses() == 133); // a third of a pulse is open
-    REQUIRE(r.drive.run(declare_place{0_mm}));
+    REQUIRE(r.drive.run(declare_position{0_mm}));
     REQUIRE(r.drive.read());
     REQUIRE(r.by({100_um, quick}) == arrival_state::reached);
     REQUIRE(r.by({100_um, quick}) == arrival_state::reached);
@@ -172,8 +172,8 @@ TEST_CASE("the rest is kept over a halt, and dropped where the position is decla
 
 TEST_CASE("a way that is refused while the motor moves leaves no rest") {
     ready<closed> r{third};
-    REQUIRE(r.drive.run(travel_by{10_mm, quick})); // 3333.3 pulses
-    CHECK(r.drive.run(travel_by{100_um, quick}).error() == errc::busy);
+    REQUIRE(r.drive.run(move_by{10_mm, quick})); // 3333.3 pulses
+    CHECK(r.drive.run(move_by{100_um, quick}).error() == errc::busy);
     REQUIRE(r.drive.run(wait_reached{}));
     REQUIRE(r.by({100_um, quick}) == arrival_state::reached);
     CHECK(r.pulses() == 3367);
@@ -185,7 +185,7 @@ TEST_CASE("a way that a halt has cut before its start leaves no rest") {
         CAPTURE(steps);
         ready<closed> r{third};
         REQUIRE(r.by({100_um, quick}) == arrival_state::reached); // 33.3 pulses
-        REQUIRE(r.drive.begin(travel_by{100_um, quick}) == errc::ok);
+        REQUIRE(r.drive.begin(move_by{100_um, quick}) == errc::ok);
         for (int i = 0; i < steps; ++i) r.wire.wait(r.drive.step());
         REQUIRE(r.drive.run(halt{}));
         r.loop(300);
@@ -201,9 +201,9 @@ TEST_CASE("G42: a drive that counts otherwise than the program says is not taken
     closed r{other};
     CHECK(r.drive.run(init{}).error() == errc::unexpected_value);
     CHECK(r.drive.state() == drive_state::needs_init);
-    CHECK(r.drive.begin(travel_by{1_mm}) == errc::needs_init);
+    CHECK(r.drive.begin(move_by{1_mm}) == errc::needs_init);
     CHECK(r.drive.speed(milliseconds(1000)).error() == errc::needs_init);
-    CHECK(r.drive.run(travel_by{1_mm}, wait_reached{}).how == arrival_state::none);
+    CHECK(r.drive.run(move_by{1_mm}, wait_reached{}).how == arrival_state::none);
     CHECK(r.drive.position(milliseconds(1000)).error() == errc::needs_init);
     // A drive whose segment 16 is in use gets no marker, so that its state is known at once.
     const std::uint8_t in_use[]{0, 0, 0x03, 0x09};
@@ -220,19 +220,16 @@ TEST_CASE("G42: a drive that counts otherwise than the program says is not taken
 TEST_CASE("bad input: nothing is sent") {
     ready<closed> r{screw};
     const std::size_t before = r.requests.size();
-    CHECK(r.drive.begin(travel_to{2148_m}) == errc::out_of_range);
-    CHECK(r.drive.begin(travel_to{-2148_m}) == errc::out_of_range);
-    CHECK(r.drive.begin(travel_to{1_mm, {.top = 1_um_per_s, .acceleration = 10_ms, .deceleration = 10_ms}}) ==
+    CHECK(r.drive.begin(move_to{2148_m}) == errc::out_of_range);
+    CHECK(r.drive.begin(move_to{-2148_m}) == errc::out_of_range);
+    CHECK(r.drive.begin(move_to{1_mm, {.top = 1_um_per_s, .acceleration = 10_ms, .deceleration = 10_ms}}) ==
           errc::out_of_range);
-    CHECK(
-        r.drive.begin(travel_to{1_mm, {.top = 300_mm_per_s, .acceleration = 10_ms, .deceleration = 10_ms}}) ==
-        errc::out_of_range); // 3600 r/min
-    CHECK(
-        r.drive.begin(travel_to{1_mm, {.top = 2147_m_per_s, .acceleration = 10_ms, .deceleration = 10_ms}}) ==
-        errc::out_of_range);
-    CHECK(
-        r.drive.begin(travel_to{1_mm, {.top = 5_mm_per_s, .acceleration = 2001_ms, .deceleration = 10_ms}}) ==
-        errc::out_of_range);
+    CHECK(r.drive.begin(move_to{1_mm, {.top = 300_mm_per_s, .acceleration = 10_ms, .deceleration = 10_ms}}) ==
+          errc::out_of_range); // 3600 r/min
+    CHECK(r.drive.begin(move_to{1_mm, {.top = 2147_m_per_s, .acceleration = 10_ms, .deceleration = 10_ms}}) ==
+          errc::out_of_range);
+    CHECK(r.drive.begin(move_to{1_mm, {.top = 5_mm_per_s, .acceleration = 2001_ms, .deceleration = 10_ms}}) ==
+          errc::out_of_range);
     // A profile is whole, or the drive's own: no ramp of 0 ms, and nothing is ignored.
     CHECK(axis_profile{}.is_stored());
     CHECK_FALSE(axis_profile{.deceleration = 50_ms}.is_stored());
@@ -249,17 +246,17 @@ TEST_CASE("bad input: nothing is sent") {
         {.top = 50_mm_per_s, .acceleration = 200_ms, .deceleration = 200_ms, .start = -1_mm_per_s},
     };
     for (const axis_profile& by : wrong) {
-        CHECK(r.drive.begin(travel_to{1_mm, by}) == errc::bad_argument);
-        CHECK(r.drive.begin(travel_by{1_mm, by}) == errc::bad_argument);
+        CHECK(r.drive.begin(move_to{1_mm, by}) == errc::bad_argument);
+        CHECK(r.drive.begin(move_by{1_mm, by}) == errc::bad_argument);
     }
-    CHECK(r.drive.begin(travel_at{0_mm_per_s}) == errc::out_of_range);
-    CHECK(r.drive.begin(travel_at{10_um_per_s}) == errc::out_of_range);
-    CHECK(r.drive.begin(servobus::hold_at{10_um_per_s, milliseconds(50)}) == errc::out_of_range);
-    CHECK(r.drive.begin(servobus::hold_at{2147_m_per_s, milliseconds(50)}) == errc::out_of_range);
-    CHECK(r.drive.begin(travel_at{2147_m_per_s}) == errc::out_of_range);
-    CHECK(r.drive.begin(travel_limits{.lowest = 1_mm, .highest = 1_mm}) == errc::bad_argument);
-    CHECK(r.drive.begin(travel_limits{.lowest = 1_mm, .highest = 2148_m}) == errc::out_of_range);
-    CHECK(r.drive.begin(declare_place{2148_m}) == errc::out_of_range);
+    CHECK(r.drive.begin(velocity{0_mm_per_s}) == errc::out_of_range);
+    CHECK(r.drive.begin(velocity{10_um_per_s}) == errc::out_of_range);
+    CHECK(r.drive.begin(hold{10_um_per_s, milliseconds(50)}) == errc::out_of_range);
+    CHECK(r.drive.begin(hold{2147_m_per_s, milliseconds(50)}) == errc::out_of_range);
+    CHECK(r.drive.begin(velocity{2147_m_per_s}) == errc::out_of_range);
+    CHECK(r.drive.begin(limit_travel{1_mm, 1_mm}) == errc::bad_argument);
+    CHECK(r.drive.begin(limit_travel{1_mm, 2148_m}) == errc::out_of_range);
+    CHECK(r.drive.begin(declare_position{2148_m}) == errc::out_of_range);
     CHECK(r.requests.size() == before);
     CHECK(r.to({1_mm, quick}) == arrival_state::reached);
     CHECK(r.pulses() == 200);
@@ -273,15 +270,15 @@ TEST_CASE("G42: a speed of a profile that rounds to no r/min is refused, whichev
     is_slow.top = 10_um_per_s; // 0.12 r/min
     for (const axis_profile& crawl : {starts_slowly, is_slow}) {
         ready<closed> r{screw};
-        CHECK(r.drive.begin(travel_by{1_mm, crawl}) == errc::out_of_range);
-        CHECK(r.drive.begin(travel_to{1_mm, crawl}) == errc::out_of_range);
+        CHECK(r.drive.begin(move_by{1_mm, crawl}) == errc::out_of_range);
+        CHECK(r.drive.begin(move_to{1_mm, crawl}) == errc::out_of_range);
     }
 }
 
 TEST_CASE("an axis moves while a button is held") {
     ready<closed> r{turned};
     for (int i = 0; i < 20; ++i) {
-        REQUIRE(r.drive.begin(servobus::hold_at{20_mm_per_s, milliseconds(50)}) == errc::ok);
+        REQUIRE(r.drive.begin(hold{20_mm_per_s, milliseconds(50)}) == errc::ok);
         r.loop(50);
     }
     CHECK(r.pulses() < -2500); // 17 mm

@@ -26,7 +26,7 @@ constexpr cached_settings in(operating_mode mode, drive_state state = drive_stat
 constexpr cached_settings turning = in(operating_mode::velocity);
 constexpr cached_settings off = in(operating_mode::undefined, drive_state::disabled);
 
-const prepared_command turn = velocity{60 * r_per_min, 90 * r_per_min}.prepare(turning);
+const prepared_command turn = commands::prepared(velocity{60 * r_per_min, 90 * r_per_min}, turning);
 
 /// The commands since the last feedback, as a robot's model is told of them.
 struct commands_since : commanded_motion {
@@ -58,18 +58,18 @@ TEST_CASE("G43: what each command leaves of the speeds, and whether it is a new 
     };
     const row rows[] = {
         {"both wheels", turn, true, false, true, false},
-        {"both wheels, the right one at zero", velocity{60 * r_per_min, 0 * r_per_min}.prepare(turning), true,
-         false, true, false},
-        {"both wheels, the left one at zero", velocity{0 * r_per_min, 60 * r_per_min}.prepare(turning), true,
-         false, true, false},
-        {"both wheels at zero", velocity{0 * r_per_min, 0 * r_per_min}.prepare(turning), false, true, true,
-         false},
+        {"both wheels, the right one at zero",
+         commands::prepared(velocity{60 * r_per_min, 0 * r_per_min}, turning), true, false, true, false},
+        {"both wheels, the left one at zero",
+         commands::prepared(velocity{0 * r_per_min, 60 * r_per_min}, turning), true, false, true, false},
+        {"both wheels at zero", commands::prepared(velocity{0 * r_per_min, 0 * r_per_min}, turning), false,
+         true, true, false},
         {"the left wheel", left_velocity{60 * r_per_min}.prepare(turning), true, false, true, false},
         {"the left wheel at zero", left_velocity{0 * r_per_min}.prepare(turning), true, false, true, false},
         {"torque", torque{1000 * milliampere, 0 * milliampere}.prepare(in(operating_mode::torque)), true,
          false, true, false},
-        {"a move", move_by{40 * pulse, 0 * pulse}.prepare(in(operating_mode::relative_position)), true, false,
-         true, false},
+        {"a move", commands::prepared(move_by{40 * pulse, 0 * pulse}, in(operating_mode::relative_position)),
+         true, false, true, false},
         {"halt", prepare(halt{}, turning), false, true, true, false},
         {"quick stop", prepare(quick_stop{}, turning), false, true, true, false},
         {"disable", prepare(disable{}, turning), false, true, true, false},
@@ -121,23 +121,23 @@ TEST_CASE("G43: what each command leaves of the speeds, and whether it is a new 
 }
 
 TEST_CASE("G43: a twist is repeated only where the drive has acknowledged both speeds together") {
-    const prepared_command both = velocity{60 * r_per_min, 0 * r_per_min}.prepare(turning);
+    const prepared_command both = commands::prepared(velocity{60 * r_per_min, 0 * r_per_min}, turning);
     struct row {
         std::string name;
         prepared_command last;
         bool is_done;
         bool is_repeated;
     };
-    const row rows[] = {
-        {"the same", both, true, true},
-        {"the same, which has failed", both, false, false},
-        {"another", turn, true, false},
-        {"another of the left wheel", velocity{30 * r_per_min, 0 * r_per_min}.prepare(turning), true, false},
-        {"the left wheel alone", left_velocity{60 * r_per_min}.prepare(turning), true, false},
-        {"a halt", prepare(halt{}, turning), true, false},
-        {"a read", prepare(read_feedback{}, turning), true, true},
-        {"a wait", prepare(wait_reached{}, turning), true, true},
-        {"a read that has failed", prepare(read_feedback{}, turning), false, true}};
+    const row rows[] = {{"the same", both, true, true},
+                        {"the same, which has failed", both, false, false},
+                        {"another", turn, true, false},
+                        {"another of the left wheel",
+                         commands::prepared(velocity{30 * r_per_min, 0 * r_per_min}, turning), true, false},
+                        {"the left wheel alone", left_velocity{60 * r_per_min}.prepare(turning), true, false},
+                        {"a halt", prepare(halt{}, turning), true, false},
+                        {"a read", prepare(read_feedback{}, turning), true, true},
+                        {"a wait", prepare(wait_reached{}, turning), true, true},
+                        {"a read that has failed", prepare(read_feedback{}, turning), false, true}};
     for (const row& r : rows) {
         CAPTURE(r.name);
         commands_since m;

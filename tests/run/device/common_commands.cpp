@@ -131,7 +131,7 @@ TEST_CASE("the common commands drive a ZLAC8015D") {
         .end_fault = [&] { r.model.end_faults(); },
         .turn =
             [&] {
-                return bool{r.drive.run(zlac8015d::velocity{60 * units::r_per_min, 60 * units::r_per_min})};
+                return bool{r.drive.run(velocity{60 * units::r_per_min, 60 * units::r_per_min})};
             },
         .pass = [&](std::uint32_t ms) { r.wire.pass(milliseconds(ms)); },
     });
@@ -146,7 +146,7 @@ template <class Axis> void drive_a_stepper() {
         .stands = [&] { return !r.is_moving(); },
         .have_fault = [&] { r.model.raise_alarm(1); },
         .end_fault = [&] { r.model.end_alarm(); },
-        .turn = [&] { return bool{r.drive.run(yako::velocity{60 * units::r_per_min})}; },
+        .turn = [&] { return bool{r.drive.run(velocity{60 * units::r_per_min})}; },
         .pass = [&](std::uint32_t ms) { r.wire.pass(milliseconds(ms)); },
     });
 }
@@ -165,7 +165,7 @@ TEST_CASE("the common commands drive a C630S, once it is set up") {
         .stands = [&] { return r.model.stands_still(); },
         .have_fault = [&] { r.model.raise(0x620, true); },
         .end_fault = [&] { r.model.end_causes(); },
-        .turn = [&] { return bool{servo.run(c630s::velocity{60 * units::r_per_min})}; },
+        .turn = [&] { return bool{servo.run(velocity{60 * units::r_per_min})}; },
         .pass = [&](std::uint32_t ms) { r.wire.pass(milliseconds(ms)); },
     });
 }

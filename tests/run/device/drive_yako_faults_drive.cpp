@@ -300,12 +300,12 @@ TEST_CASE("4.1: a jog is not interrupted by a move, which acts in positioning on
     take_homed(a);
     REQUIRE(a.drive.run(velocity{60 * r_per_min}));
     const std::size_t before = a.sent(start_relative_frame);
-    CHECK(a.drive.run(move_by{.way = 100 * pulse, .then = while_moving::interrupt}).error() == errc::busy);
+    CHECK(a.drive.run(relative_move{.way = 100 * pulse, .then = while_moving::interrupt}).error() == errc::busy);
     CHECK(a.sent(start_relative_frame) == before);
     REQUIRE(a.drive.run(halt{}));
     REQUIRE(a.drive.run(move_by{50'000 * pulse, gentle}));
     CHECK(a.drive.motion() == motion_check::seen);
-    REQUIRE(a.drive.run(move_by{.way = -100 * pulse, .then = while_moving::interrupt}));
+    REQUIRE(a.drive.run(relative_move{.way = -100 * pulse, .then = while_moving::interrupt}));
     CHECK(a.drive.motion() == motion_check::unknown); // it cannot be seen which of the two moves runs
 }
 
@@ -313,7 +313,7 @@ TEST_CASE("limits are set only at standstill, and a cleared position is read bac
     closed_axis a;
     take_homed(a);
     REQUIRE(a.drive.run(move_by{5000 * pulse, gentle}));
-    CHECK(a.drive.run(limit_travel{100 * pulse, -100 * pulse}).error() == errc::busy);
+    CHECK(a.drive.run(limit_travel{-100 * pulse, 100 * pulse}).error() == errc::busy);
     REQUIRE(a.drive.run(wait_standstill{}));
     REQUIRE(a.drive.run(clear_position{}));
     CHECK(a.drive.feedback(milliseconds(2000))->position.count() == 0);
@@ -348,7 +348,7 @@ TEST_CASE("a bounded jog that runs does not confirm one in the other direction")
 TEST_CASE("S4: the next command detects that a restart lost the software limits, also without a homing") {
     closed_axis a;
     take(a);
-    REQUIRE(a.drive.run(limit_travel{5000 * pulse, -5000 * pulse}));
+    REQUIRE(a.drive.run(limit_travel{-5000 * pulse, 5000 * pulse}));
     REQUIRE(a.drive.run(move_by{10 * pulse, brisk}));
     a.model.power_cycle();
     CHECK(a.drive.run(move_by{10 * pulse, brisk}).error() == errc::needs_init);

@@ -170,7 +170,7 @@ TEST_CASE("S6: while the word order is unknown no 32-bit value is sent; a lost r
     const auto frames = a.requests.size();
     CHECK(a.drive.run(move_by{70'000 * pulse, brisk}).error() == errc::needs_init);
     CHECK(a.drive.run(declare_position{0 * pulse}).error() == errc::needs_init);
-    CHECK(a.drive.run(limit_travel{1 * pulse, 0 * pulse}).error() == errc::needs_init);
+    CHECK(a.drive.run(limit_travel{0 * pulse, 1 * pulse}).error() == errc::needs_init);
     CHECK(a.drive.run(set_position_segment{1, 1 * pulse, 1 * r_per_min}).error() == errc::needs_init);
     CHECK(a.drive.read().error() == errc::needs_init);
     CHECK(a.requests.size() == frames);

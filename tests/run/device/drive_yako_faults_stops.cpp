@@ -318,7 +318,7 @@ TEST_CASE("G26: a disable that is open is still repeated after the command timeo
             const std::uint64_t end = a.wire.time_us() + ms * 1000u;
             while (a.wire.time_us() < end) a.turn();
         };
-        REQUIRE(a.drive.run(yako::velocity{60 * units::r_per_min}));
+        REQUIRE(a.drive.run(velocity{60 * units::r_per_min}));
         live(100);
         a.wire.faults().lost_request = 1000;
         REQUIRE(a.drive.begin(disable{}) == errc::ok);

@@ -254,7 +254,7 @@ template <class A> void a_restart_moves_to_no_wrong_place(const drive_options& b
 template <class A> void limits_that_a_restart_lost_are_found_out(const drive_options& by) {
     A a{by};
     take(a);
-    REQUIRE(a.drive.run(limit_travel{5000 * pulse, -5000 * pulse}));
+    REQUIRE(a.drive.run(limit_travel{-5000 * pulse, 5000 * pulse}));
     a.model.power_cycle();
     const command_status r = a.drive.run(move_by{10 * pulse, brisk});
     if (r) CHECK(a.model.peek(0x0018) == 1);
@@ -344,7 +344,7 @@ template <class A> void an_interrupting_move_ends_where_it_says(const drive_opti
     CHECK(a.model.view().shaft == -400);
     REQUIRE(a.drive.run(move_to{20'000 * pulse, gentle}));
     a.run(100);
-    REQUIRE(a.drive.run(move_by{.way = 400 * pulse, .then = while_moving::interrupt}));
+    REQUIRE(a.drive.run(relative_move{.way = 400 * pulse, .then = while_moving::interrupt}));
     CHECK(a.drive.motion() == motion_check::unknown); // A59: it cannot be known
     REQUIRE(a.drive.run(halt{}));
     REQUIRE(a.drive.run(move_by{20'000 * pulse, gentle}));

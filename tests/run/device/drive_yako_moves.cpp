@@ -103,7 +103,7 @@ TEST_CASE("4.1: a new target replaces that of the current move only if the progr
     CHECK(a.sent(modbus::write_frame(1, 0x0027, 0x000D)) == 1);
     REQUIRE(a.drive.run(wait_standstill{}));
     CHECK(a.place() == -400);
-    REQUIRE(a.drive.run(move_by{.way = 400 * pulse, .then = while_moving::interrupt}));
+    REQUIRE(a.drive.run(relative_move{.way = 400 * pulse, .then = while_moving::interrupt}));
     CHECK(a.sent(modbus::write_frame(1, 0x0027, 0x0009)) == 1);
     REQUIRE(a.drive.run(wait_standstill{}));
     CHECK(a.place() == 0);

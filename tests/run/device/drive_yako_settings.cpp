@@ -107,7 +107,7 @@ TEST_CASE("5.3: both software limits are set in one frame before they are switch
     closed_axis a;
     take(a);
     REQUIRE(a.drive.run(set_over_travel_stop{over_travel_stop::emergency_stop}));
-    REQUIRE(a.drive.run(limit_travel{2000 * pulse, -2000 * pulse}));
+    REQUIRE(a.drive.run(limit_travel{-2000 * pulse, 2000 * pulse}));
     CHECK(a.sent(modbus::write_frame(1, 0x0037, std::array<u16, 4>{0, 2000, 0xFFFF, 0xF830})) == 1);
     CHECK(a.model.peek(0x0018) == 1);
     REQUIRE(a.drive.run(declare_position{0 * pulse}));
@@ -261,7 +261,7 @@ TEST_CASE("before init only stops are sent, and with an invalid node address not
     CHECK(a.drive.run(closed_loop::home{homing::home_24}).error() == errc::needs_init);
     CHECK(a.drive.run(save{}).error() == errc::needs_init);
     CHECK(a.drive.run(set_word_order{word_order_setting::high_first}).error() == errc::needs_init);
-    CHECK(a.drive.run(limit_travel{1 * pulse, 0 * pulse}).error() == errc::needs_init);
+    CHECK(a.drive.run(limit_travel{0 * pulse, 1 * pulse}).error() == errc::needs_init);
     CHECK(a.drive.read().error() == errc::needs_init);
     for (const unsigned address : {0u, 248u, 255u}) {
         closed_loop::drive<closed_axis::line_type> nobody{a.line, static_cast<std::uint8_t>(address)};
@@ -358,7 +358,7 @@ TEST_CASE("5.3: limits that were set are known, until they are switched off") {
     closed_axis a;
     take(a);
     CHECK(a.drive.cached().limits == limit_enable::disabled);
-    REQUIRE(a.drive.run(limit_travel{2000 * pulse, -2000 * pulse}));
+    REQUIRE(a.drive.run(limit_travel{-2000 * pulse, 2000 * pulse}));
     CHECK(a.drive.cached().limits == limit_enable::after_homing);
     REQUIRE(a.drive.run(init{}));
     CHECK(a.drive.cached().limits == limit_enable::after_homing); // as the drive says

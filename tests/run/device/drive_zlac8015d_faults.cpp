@@ -482,7 +482,7 @@ TEST_CASE("S3: both speeds are slowed down together, also with a low limit") {
     cached_settings known{.state = drive_state::enabled, .mode = operating_mode::velocity};
     for (std::uint16_t limit = 1; limit <= 1000; limit = static_cast<std::uint16_t>(limit * 2)) {
         known.max_speed = limit;
-        const velocity v = clamped_velocity{3000 * r_per_min, 3000 * r_per_min}.within(known);
+        const wheel_velocities v = clamped_velocity{3000 * r_per_min, 3000 * r_per_min}.within(known);
         CHECK(v.left.count() == v.right.count());
         CHECK(v.left.count() <= limit * 2520);
         CHECK(v.left.count() >= (limit - 1) * 2520);

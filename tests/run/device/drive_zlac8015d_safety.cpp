@@ -65,19 +65,19 @@ TEST_CASE("S3: if a pair of speeds is too high, both wheels are slowed down toge
     cached_settings known{.state = drive_state::enabled, .mode = operating_mode::velocity, .max_speed = 200};
     for (std::uint16_t n = 1; n <= 10; ++n) {
         known.resolution = n;
-        const velocity v = clamped_velocity{400 * r_per_min, -100 * r_per_min}.within(known);
-        CHECK(v.prepare(known).refusal == errc::ok);
+        const wheel_velocities v = clamped_velocity{400 * r_per_min, -100 * r_per_min}.within(known);
+        CHECK(zlac8015d::prepare(v, known).refusal == errc::ok);
         CHECK(v.left.count() <= 200 * 2520);
         CHECK(v.left.count() > 196 * 2520);
         const std::int32_t right = -v.right.count() * 4;
         CHECK(right >= v.left.count() - 6 * 2520);
         CHECK(right <= v.left.count() + 6 * 2520);
-        const velocity slow = clamped_velocity{100 * r_per_min, 40 * r_per_min}.within(known);
+        const wheel_velocities slow = clamped_velocity{100 * r_per_min, 40 * r_per_min}.within(known);
         CHECK(slow.left == speed{100 * r_per_min});
         CHECK(slow.right == speed{40 * r_per_min});
-        const velocity huge =
+        const wheel_velocities huge =
             clamped_velocity{2'000'000'000 * r_per_min, -2'000'000'000 * r_per_min}.within(known);
-        CHECK(huge.prepare(known).refusal == errc::ok);
+        CHECK(zlac8015d::prepare(huge, known).refusal == errc::ok);
         CHECK(huge.left.count() == -huge.right.count());
     }
 }

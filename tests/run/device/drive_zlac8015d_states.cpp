@@ -235,7 +235,7 @@ namespace {
 struct endless_move {
     distance way;
     constexpr prepared_command prepare(const cached_settings& cached) const {
-        prepared_command o = move_by{way, way}.prepare(cached);
+        prepared_command o = commands::prepared(move_by{way, way}, cached);
         o.then = effect::motion;
         return o;
     }

@@ -121,7 +121,7 @@ TEST_CASE("what follows a YAKO's command that fails at one of its frames") {
                  "unknown, 0027=0100 0006",
                  "0032 00BA 0006 0030=0001.0018: known; 0035=0000.0000 00BA 0027=0010: needs init; 00BA "
                  "0006: needs init, unknown, 0027=0100 0006");
-    expect<axis>(ready, yako::velocity{30 * r_per_min},
+    expect<axis>(ready, velocity{30 * r_per_min},
                  "00BA 0006 001D=001E.0064.0064: needs init; 0027=0002: needs init, seen, 0006 00BA; 00BA "
                  "0006: needs init, unknown",
                  "00BA 0006 001D=001E.0064.0064: known; 0027=0002 00BA 0006: needs init");
@@ -174,7 +174,7 @@ TEST_CASE("what follows a C630S's command that fails at one of its frames") {
                       by_all_means,
                   "1720 0C0D 0B00 3100: known; 051E=0005: known, " + by_all_means +
                       " 0B00 0B07 0B35 0B21; 1720 0B00 051E=0000 051E 3100: needs init, " + by_all_means);
-    expect<servo>(in({control_mode::speed}), c630s::velocity{10 * r_per_min},
+    expect<servo>(in({control_mode::speed}), velocity{10 * r_per_min},
                   "1720: needs init; 0603=000A: known, 0603 3100", "1720 0603=000A: known");
     expect<servo>(in({control_mode::speed}), c630s::jog{10 * r_per_min},
                   "0C0D 1720 0B00 0604=000A 0604 3100 3100=8201: needs init",
@@ -219,10 +219,10 @@ TEST_CASE("what follows a ZLAC8015D's command that fails at one of its frames") 
         return [=](dual_servo& r) { return r.drive.run(init{}) && r.drive.run(enable_in{checked(m)}); };
     };
     expect<dual_servo>(
-        in(operating_mode::relative_position), zlac8015d::move_by{40 * pulse, -50 * pulse},
+        in(operating_mode::relative_position), move_by{40 * pulse, -50 * pulse},
         "200D 20A2 208A=0000.0028.FFFF.FFCE: needs init; 200E=0010 200D: needs init, seen, 20A2 200D",
         "200D 20A2 208A=0000.0028.FFFF.FFCE: known; 200E=0010 200D: needs init");
-    expect<dual_servo>(in(operating_mode::velocity), zlac8015d::velocity{10 * r_per_min, 10 * r_per_min},
+    expect<dual_servo>(in(operating_mode::velocity), velocity{10 * r_per_min, 10 * r_per_min},
                        "2088=000A.000A: known, 2088 200D", "2088=000A.000A: known");
     expect<dual_servo>(
         off, resolution{10}, "20A2 2022=000A 2022 200D=0000 200D 2010=0001 2010=0000 200D=0003: needs init",

@@ -79,7 +79,7 @@ TEST_CASE("the frames of a YAKO's commands, and what each word that they read de
            "0043: unexpected_value");
     expect(frames_of(a, released, (set_output{output::y1, output_function::alarm})),
            "00BA: needs_init \", 0006: - \" \" \" \" \" \", 004D=0001, 004D: unexpected_value");
-    expect(frames_of(a, enabled, (limit_travel{70'000 * pulse, -70'000 * pulse})),
+    expect(frames_of(a, enabled, (limit_travel{-70'000 * pulse, 70'000 * pulse})),
            "00BA: needs_init \", 0006: - busy - \" \" \" \", 0037=0001 1170 FFFE EE90, "
            "0037: unexpected_value \" \" \", 0018=0001, 0018: unexpected_value");
     expect(frames_of(a, enabled, unlimit_travel{}),
@@ -109,7 +109,7 @@ TEST_CASE("the frames of a YAKO's commands, and what each word that they read de
            "0020: needs_init \" \" \", 00BA: needs_init \", "
            "0006: - faulted|busy|wrong_state - \" again \" -, 0024=0000 0014, 0027=0001, "
            "00BA: needs_init \", 0006: - faulted - \" \" \" \"");
-    expect(frames_of(a, enabled, (yako::velocity{30 * r_per_min})),
+    expect(frames_of(a, enabled, (velocity{30 * r_per_min})),
            "00BA: needs_init \", 0006: - faulted|busy|wrong_state - \" again \" -, 001D=001E 0064 0064, "
            "0027=0002, 00BA: needs_init \", 0006: - faulted - \" \" \" \"");
     expect(frames_of(a, enabled, declare_position{0 * pulse}),
@@ -262,7 +262,7 @@ TEST_CASE("the frames of a C630S's commands, and what each word that they read d
     expect(frames_of(r, on(control_mode::torque), halt{}), "0703=0000, 0703: again, 0B00: again - \" \"");
     expect(frames_of(r, on(control_mode::speed), quick_stop{}),
            "0D05=0001, 0603=0000 0000, 0703=0000, 0B00: again - \" \"");
-    expect(frames_of(r, on(control_mode::speed), c630s::velocity{30 * r_per_min}),
+    expect(frames_of(r, on(control_mode::speed), velocity{30 * r_per_min}),
            "1720: faulted|needs_init, 0603=001E");
     expect(frames_of(r, on(control_mode::torque), c630s::torque{5 * percent}),
            "1720: faulted|needs_init, 0703=0032");

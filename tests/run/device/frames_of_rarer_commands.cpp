@@ -190,7 +190,7 @@ TEST_CASE("the frames of a ZLAC8015D's speeds, currents and settings, and what e
         return [=](auto& d) { return d.drive.run(init{}) && d.drive.run(enable_in{checked(m)}); };
     };
     const auto turning = in(operating_mode::velocity);
-    expect(frames_of(r, turning, (zlac8015d::velocity{30 * r_per_min, -40 * r_per_min})), "2088=001E FFD8");
+    expect(frames_of(r, turning, (velocity{30 * r_per_min, -40 * r_per_min})), "2088=001E FFD8");
     expect(frames_of(r, turning, left_velocity{30 * r_per_min}), "2088=001E");
     expect(frames_of(r, turning, right_velocity{30 * r_per_min}), "2089=001E");
     const auto pressing = in(operating_mode::torque);
@@ -198,13 +198,11 @@ TEST_CASE("the frames of a ZLAC8015D's speeds, currents and settings, and what e
            "2090=03E8 F830");
     expect(frames_of(r, pressing, left_torque{1000 * milliampere}), "2090=03E8");
     expect(frames_of(r, pressing, right_torque{1000 * milliampere}), "2091=03E8");
-    expect(frames_of(r, in(operating_mode::absolute_position),
-                     (zlac8015d::move_to{40 * pulse, -70'000 * pulse})),
+    expect(frames_of(r, in(operating_mode::absolute_position), (move_to{40 * pulse, -70'000 * pulse})),
            "200D: needs_init, 20A2: busy - \" faulted \" - \" \" \" \" \", 208A=0000 0028 FFFE EE90, "
            "200E=0010, 200D: needs_init");
     const auto moving = [&](auto& d) {
-        return in(operating_mode::relative_position)(d) &&
-               d.drive.run(zlac8015d::move_by{40 * pulse, -50 * pulse});
+        return in(operating_mode::relative_position)(d) && d.drive.run(move_by{40 * pulse, -50 * pulse});
     };
     expect(frames_of(r, moving, wait_reached{}),
            "20A2: again - \" faulted \" again \" \" \" - \", 20A2: again - \" faulted \" - \" \" \" \" \", "

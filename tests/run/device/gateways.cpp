@@ -83,10 +83,10 @@ TEST_CASE_TEMPLATE(
             on,
             node_behind<z::device, Port>(),
             {.feedback = milliseconds(50), .command_timeout = milliseconds(500)}};
-        const z::velocity go{20 * r_per_min, 20 * r_per_min};
-        REQUIRE(drive.run(z::init{}));
+        const velocity go{20 * r_per_min, 20 * r_per_min};
+        REQUIRE(drive.run(init{}));
         REQUIRE(drive.run(z::watchdog{1 * second}));
-        REQUIRE(drive.run(z::enable{}));
+        REQUIRE(drive.run(enable{}));
         REQUIRE(drive.run(go));
         wire.pass(milliseconds(300));
         REQUIRE(machine.left().speed > 0);
@@ -113,8 +113,8 @@ TEST_CASE_TEMPLATE(
     Port port{wire};
     line on{port, modbus::timing_at(115200)};
     watched<y::closed_loop::drive<line<Port>>> drive{on, node_behind<y::closed_loop::device, Port>()};
-    REQUIRE(drive.run(y::init{}));
-    REQUIRE(drive.run(y::enable{}));
+    REQUIRE(drive.run(init{}));
+    REQUIRE(drive.run(enable{}));
     port.is_cut = true;
     const std::uint64_t begin = wire.time_us();
     while (wire.time_us() < begin + 2'000'000) on.sleep(drive.step());
@@ -123,7 +123,7 @@ TEST_CASE_TEMPLATE(
     CHECK(polls > 2);
     CHECK(polls < 10); // backed off
     const auto before = machine.view().shaft;
-    CHECK_FALSE(drive.run(y::move_by{1000 * pulse}));
+    CHECK_FALSE(drive.run(move_by{1000 * pulse}));
     port.is_cut = false;
     wire.pass(milliseconds(2000));
     CHECK(machine.view().shaft == before);
@@ -140,18 +140,18 @@ TEST_CASE_TEMPLATE(
     Port port{wire};
     line on{port, modbus::timing_at(57600)};
     watched<c::drive<line<Port>>> drive{on, node_behind<c::device, Port>()};
-    REQUIRE(drive.run(c::init{}));
+    REQUIRE(drive.run(init{}));
     REQUIRE(drive.run(c::set_up{}));
     machine.power_cycle();
-    REQUIRE(drive.run(c::init{}));
+    REQUIRE(drive.run(init{}));
     REQUIRE(drive.run(c::enable_in{c::control_mode::speed}));
-    REQUIRE(drive.run(c::velocity{100 * r_per_min}));
+    REQUIRE(drive.run(velocity{100 * r_per_min}));
     port.is_cut = true;
-    const command_status s = drive.run(c::velocity{200 * r_per_min});
+    const command_status s = drive.run(velocity{200 * r_per_min});
     CHECK(s.outcome() != outcome::done);
     CHECK(s.outcome() != outcome::refused);
     CHECK(s.error() == errc::gateway_exception);
-    CHECK_FALSE(drive.run(c::velocity{300 * r_per_min}));
+    CHECK_FALSE(drive.run(velocity{300 * r_per_min}));
     CHECK(port.exceptions != 0);
 }
 

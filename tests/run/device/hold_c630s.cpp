@@ -16,14 +16,14 @@ using namespace servobus::units;
 
 namespace {
 
-constexpr hold at_300{300 * r_per_min, runs_on_without_line{}};
+constexpr held_velocity at_300{300 * r_per_min, runs_on_without_line{}};
 
 struct rig : simulated::driven_c630s {
     explicit rig(command_timeout limit = milliseconds(300), std::uint64_t seed = 1) : driven_c630s{{}, seed} {
         be_enabled_in(*this, control_mode::speed);
         drive.set_command_timeout(limit);
     }
-    unsigned repeat(const hold& wanted, duration every, std::uint32_t ms) {
+    unsigned repeat(const held_velocity& wanted, duration every, std::uint32_t ms) {
         unsigned failures = 0;
         const std::uint64_t end = wire.time_us() + 1000 * std::uint64_t{ms};
         std::uint64_t due = wire.time_us();

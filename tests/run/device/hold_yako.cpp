@@ -26,8 +26,12 @@ template <class A> void take(A& a) {
     REQUIRE(a.drive.run(init{}));
     REQUIRE(a.drive.run(enable{}));
 }
-constexpr hold at_60{60 * r_per_min, milliseconds(50)};
-constexpr std::int64_t reach_of_60 = at_60.reach({.microsteps = 1000}).count(); // 252 pulses
+constexpr held_velocity held(speed target, duration every, yako::time rise = yako::time{100},
+                             yako::time fall = yako::time{100}) {
+    return {target, every, rise, fall};
+}
+constexpr held_velocity at_60 = held(60 * r_per_min, milliseconds(50));
+constexpr std::int64_t reach_of_60 = yako::reach(at_60, {.microsteps = 1000}).count(); // 252 pulses
 
 /// What was seen while a command was repeated.
 struct repetition {
@@ -72,8 +76,8 @@ template <class A> std::int64_t run_on(A& a, std::uint32_t ms = 6000) {
     CHECK_FALSE(a.is_moving());
     return a.place() - from;
 }
-template <class A> std::int64_t reach_of(const A& a, const hold& h) {
-    return h.reach(a.drive.cached()).count();
+template <class A> std::int64_t reach_of(const A& a, const held_velocity& h) {
+    return yako::reach(h, a.drive.cached()).count();
 }
 
 } // namespace
@@ -85,15 +89,17 @@ TEST_CASE("the reach is the speed times twice the period, 50 ms and the decelera
             for (const std::uint32_t ms : {1u, 20u, 50u, 100u, 1000u}) {
                 for (const std::int32_t ramp : {0, 100, 2000}) {
                     const cached_settings known{.microsteps = microsteps};
-                    const hold up{speed{tenths}, milliseconds(ms), {}, yako::time{ramp}};
+                    const held_velocity up =
+                        held(speed{tenths}, milliseconds(ms), yako::time{}, yako::time{ramp});
                     const std::int64_t exact =
                         std::int64_t{tenths} * microsteps * (2 * std::int64_t{ms} + 50 + ramp) / 600'000;
-                    const std::int64_t reach = up.reach(known).count();
+                    const std::int64_t reach = yako::reach(up, known).count();
                     CAPTURE(exact);
                     CHECK(reach >= exact);
                     CHECK(reach <= exact + exact / 50 + 32);
-                    const hold down{speed{-tenths}, milliseconds(ms), {}, yako::time{ramp}};
-                    CHECK(down.reach(known).count() == -reach);
+                    const held_velocity down =
+                        held(speed{-tenths}, milliseconds(ms), yako::time{}, yako::time{ramp});
+                    CHECK(yako::reach(down, known).count() == -reach);
                 }
             }
         }
@@ -111,7 +117,7 @@ TEST_CASE_TEMPLATE("S4: a motor turns at its speed while the command is repeated
                 A a;
                 take(a);
                 REQUIRE(a.drive.run(set_word_order{order}));
-                const hold h{turns * r_per_min, milliseconds(every)};
+                const held_velocity h = held(turns * r_per_min, milliseconds(every));
                 const std::int64_t reach = reach_of(a, h);
                 const std::int64_t from = a.place();
                 const repetition seen = repeat(a, h, h.every, 3000);
@@ -188,7 +194,7 @@ TEST_CASE("at 9600 Bd a command takes 200 ms, and the motor turns from one to th
     closed_loop::drive axis{a.line, 1, unsupervised};
     REQUIRE(axis.run(init{}));
     REQUIRE(axis.run(enable{}));
-    const hold h{60 * r_per_min, milliseconds(200)};
+    const held_velocity h = held(60 * r_per_min, milliseconds(200));
     for (int i = 0; i < 20; ++i) {
         CHECK((i == 0 || a.model.view().is_moving));
         const std::uint64_t from = a.wire.time_us();
@@ -198,7 +204,7 @@ TEST_CASE("at 9600 Bd a command takes 200 ms, and the motor turns from one to th
     const std::int64_t from = a.model.view().position;
     a.run(3000);
     CHECK_FALSE(a.model.view().is_moving);
-    CHECK(a.model.view().position - from <= h.reach(axis.cached()).count());
+    CHECK(a.model.view().position - from <= yako::reach(h, axis.cached()).count());
 }
 
 TEST_CASE_TEMPLATE("a hold needs no home, and keeps none from being lost", A, closed_axis, open_axis) {
@@ -233,7 +239,7 @@ TEST_CASE("another direction, speed or ramp waits for standstill, and so does an
     };
     refuses(hold{-60 * r_per_min, milliseconds(50)});
     refuses(hold{61 * r_per_min, milliseconds(50)});
-    refuses(hold{60 * r_per_min, milliseconds(50), 90 * millisecond});
+    refuses(hold{60 * r_per_min, milliseconds(50), 90 * millisecond, 100 * millisecond});
     refuses(hold{60 * r_per_min, milliseconds(50), 100 * millisecond, 90 * millisecond});
     refuses(bounded_jog{-100 * pulse});
     refuses(velocity{60 * r_per_min});
@@ -245,7 +251,7 @@ TEST_CASE("another direction, speed or ramp waits for standstill, and so does an
     CHECK(a.drive.run(hold{60 * r_per_min, milliseconds(50), 50 * millisecond, 50 * millisecond}).error() ==
           errc::busy);
     REQUIRE(a.drive.run(halt{}));
-    CHECK(repeat(a, hold{-120 * r_per_min, milliseconds(50)}, milliseconds(50), 500).failures == 0);
+    CHECK(repeat(a, held(-120 * r_per_min, milliseconds(50)), milliseconds(50), 500).failures == 0);
     CHECK(a.model.view().speed == -120'000'000);
     REQUIRE(a.drive.run(halt{}));
     // Nor does a hold continue a motion of another kind.
@@ -394,7 +400,7 @@ TEST_CASE("the end of the counter's range refuses a target beyond it, and the mo
         take(a);
         const std::int32_t end = turns > 0 ? 2'147'482'000 : -2'147'482'000;
         REQUIRE(a.drive.run(declare_position{end * pulse}));
-        const hold h{turns * r_per_min, milliseconds(50)};
+        const held_velocity h = held(turns * r_per_min, milliseconds(50));
         const repetition seen = repeat(a, h, h.every, 3000);
         CHECK(seen.failures != 0);
         CHECK(seen.error == errc::out_of_range);
@@ -403,7 +409,7 @@ TEST_CASE("the end of the counter's range refuses a target beyond it, and the mo
         const std::int64_t rest = std::abs(a.place()) - 2'147'482'000;
         CHECK(rest > 0);
         CHECK(rest <= 1647);
-        CHECK(repeat(a, hold{-turns * r_per_min, milliseconds(50)}, milliseconds(50), 500).failures == 0);
+        CHECK(repeat(a, held(-turns * r_per_min, milliseconds(50)), milliseconds(50), 500).failures == 0);
     }
 }
 
@@ -412,7 +418,7 @@ TEST_CASE("software limits, limit inputs and stop inputs end it as any move") {
         closed_axis a;
         take(a);
         REQUIRE(a.drive.run(declare_position{0 * pulse}));
-        REQUIRE(a.drive.run(limit_travel{700 * pulse, -700 * pulse}));
+        REQUIRE(a.drive.run(limit_travel{-700 * pulse, 700 * pulse}));
         REQUIRE(a.drive.run(set_over_travel_stop{over_travel_stop::emergency_stop}));
         (void)repeat(a, at_60, at_60.every, 3000);
         a.finish();
@@ -443,16 +449,17 @@ TEST_CASE("its arguments are checked before anything is sent") {
     closed_axis a;
     take(a);
     const std::size_t frames = a.requests.size();
-    const auto refusal_of = [&](const hold& h) { return a.drive.run(h).error(); };
-    CHECK(refusal_of({0 * r_per_min, milliseconds(50)}) == errc::out_of_range);
-    CHECK(refusal_of({3001 * r_per_min, milliseconds(50)}) == errc::out_of_range);
-    CHECK(refusal_of({-2'147'483'647 * r_per_min, milliseconds(50)}) == errc::out_of_range);
-    CHECK(refusal_of({5 * part<10>(r_per_min), milliseconds(50)}) == errc::inexact);
-    CHECK(refusal_of({60 * r_per_min, milliseconds(0)}) == errc::out_of_range);
-    CHECK(refusal_of({60 * r_per_min, milliseconds(1001)}) == errc::out_of_range);
-    CHECK(refusal_of({60 * r_per_min, milliseconds(50), 2001 * millisecond}) == errc::out_of_range);
-    CHECK(refusal_of({60 * r_per_min, milliseconds(50), {}, yako::time{-1}}) == errc::out_of_range);
-    CHECK(at_60.prepare({.state = drive_state::enabled, .has_scale = true}).refusal ==
+    const auto refusal_of = [&](const held_velocity& h) { return a.drive.run(h).error(); };
+    CHECK(refusal_of(held(0 * r_per_min, milliseconds(50))) == errc::out_of_range);
+    CHECK(refusal_of(held(3001 * r_per_min, milliseconds(50))) == errc::out_of_range);
+    CHECK(refusal_of(held(-2'147'483'647 * r_per_min, milliseconds(50))) == errc::out_of_range);
+    CHECK(refusal_of(held(5 * part<10>(r_per_min), milliseconds(50))) == errc::inexact);
+    CHECK(refusal_of(held(60 * r_per_min, milliseconds(0))) == errc::out_of_range);
+    CHECK(refusal_of(held(60 * r_per_min, milliseconds(1001))) == errc::out_of_range);
+    CHECK(refusal_of(held(60 * r_per_min, milliseconds(50), 2001 * millisecond)) == errc::out_of_range);
+    CHECK(refusal_of(held(60 * r_per_min, milliseconds(50), yako::time{}, yako::time{-1})) ==
+          errc::out_of_range);
+    CHECK(yako::prepare(at_60, {.state = drive_state::enabled, .has_scale = true}).refusal ==
           errc::unexpected_value);
     CHECK(a.requests.size() == frames);
     REQUIRE(a.drive.run(disable{}));
@@ -470,7 +477,7 @@ TEST_CASE(
         REQUIRE(a.drive.run(set_speed_resolution{speed_count::tenth_r_per_min}));
         for (const std::int32_t tenths : {20, 605, -3000}) {
             CAPTURE(tenths);
-            const hold h{tenths * part<10>(r_per_min), milliseconds(20)};
+            const held_velocity h = held(tenths * part<10>(r_per_min), milliseconds(20));
             const repetition seen = repeat(a, h, h.every, 3000);
             CHECK(seen.failures == 0);
             CHECK(seen.rests == 0);
@@ -487,8 +494,9 @@ TEST_CASE_TEMPLATE("S4: a hold stops within its reach under every interpretation
     ::interpretations::under_yako([](const sim::yako_options& by, std::size_t, bool) -> std::size_t {
         A a{by};
         take(a);
-        const hold fast{3000 * r_per_min, milliseconds(50), 400 * millisecond, 400 * millisecond};
-        for (const hold& h : {at_60, fast}) {
+        const held_velocity fast =
+            held(3000 * r_per_min, milliseconds(50), 400 * millisecond, 400 * millisecond);
+        for (const held_velocity& h : {at_60, fast}) {
             const repetition seen = repeat(a, h, h.every, 3000);
             CHECK(seen.failures == 0);
             if (!by.ramps_to_1000_r_per_min) CHECK(seen.rests == 0);

@@ -18,7 +18,7 @@ using namespace servobus::units;
 
 namespace {
 
-constexpr hold straight{60 * r_per_min, -60 * r_per_min};
+constexpr held_velocities straight{60 * r_per_min, -60 * r_per_min};
 constexpr supervision supervised{.feedback = milliseconds(20), .command_timeout = milliseconds(200)};
 
 struct rig : simulated::driven_zlac8015d {
@@ -35,7 +35,7 @@ struct rig : simulated::driven_zlac8015d {
         wire.wait(idle.us == 0 ? microseconds(10) : idle);
     }
     /// Repeats the command; returns how many have failed.
-    unsigned repeat(const hold& wanted, duration every, std::uint32_t ms) {
+    unsigned repeat(const held_velocities& wanted, duration every, std::uint32_t ms) {
         unsigned failures = 0;
         const std::uint64_t end = wire.time_us() + 1000 * std::uint64_t{ms};
         std::uint64_t due = wire.time_us();

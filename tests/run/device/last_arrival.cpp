@@ -32,8 +32,8 @@ namespace {
 struct wheels {
     simulated::driven_zlac8015d r{};
     wheels() { enabled_zlac8015d::be_enabled_in(r, zlac8015d::operating_mode::relative_position); }
-    static auto move() { return zlac8015d::move_by{4000 * zlac8015d::pulse, 4000 * zlac8015d::pulse}; }
-    static auto too_far() { return zlac8015d::move_by{distance{-0x7FFF'FFFF - 1}, distance{0}}; }
+    static auto move() { return move_by{4000 * zlac8015d::pulse, 4000 * zlac8015d::pulse}; }
+    static auto too_far() { return move_by{distance{-0x7FFF'FFFF - 1}, distance{0}}; }
     using distance = zlac8015d::distance;
     void fail() { r.model.raise(zlac8015d::fault::overload, {}); }
     void mend() { r.model.end_faults(); }
@@ -46,8 +46,8 @@ struct wheels {
 struct stepper {
     simulated::closed_axis r{};
     stepper() { enabled_yako::take(r); }
-    static auto move() { return yako::move_by{4000 * yako::pulse}; }
-    static auto too_far() { return yako::move_by{4000 * yako::pulse, {{}, {}, {}, 30'000 * r_per_min}}; }
+    static auto move() { return move_by{4000 * yako::pulse}; }
+    static auto too_far() { return move_by{4000 * yako::pulse, {{}, {}, {}, 30'000 * r_per_min}}; }
     void fail() { r.model.raise_alarm(4); }
     void mend() { r.model.end_alarm(); }
     auto enabled() { return enable{}; }
@@ -167,7 +167,7 @@ TEST_CASE("G34: a C630S has no arrival while its next segment begins, nor if tha
 TEST_CASE("the status and the settings that a program keeps are those of when it asked") {
     simulated::driven_zlac8015d r;
     REQUIRE(r.drive.run(init{}));
-    (void)r.drive.run(zlac8015d::velocity{30 * r_per_min, 30 * r_per_min}); // refused: not enabled
+    (void)r.drive.run(velocity{30 * r_per_min, 30 * r_per_min}); // refused: not enabled
     const auto& status = r.drive.last();
     const auto& settings = r.drive.cached();
     REQUIRE(status.error() == errc::wrong_state);

@@ -60,15 +60,14 @@ TEST_CASE_TEMPLATE("G34, G39: a YAKO that restarts on its way to zero is not tak
                     CAPTURE(at);
                     stepper<Axis> b{115200, sim::yako_options{},
                                     supervision{milliseconds(feedback), no_command_timeout}};
-                    REQUIRE(b.drive.run(y::init{}));
-                    REQUIRE(b.drive.run(y::enable{}));
-                    REQUIRE(b.drive.run(y::move_by{1500 * pulse}, y::wait_reached{}).how ==
-                            arrival_state::reached);
+                    REQUIRE(b.drive.run(init{}));
+                    REQUIRE(b.drive.run(enable{}));
+                    REQUIRE(b.drive.run(move_by{1500 * pulse}, wait_reached{}).how == arrival_state::reached);
                     REQUIRE(b.drive.restart_visible());
                     const long long before = b.machine.view().shaft;
-                    REQUIRE(b.drive.run(y::move_by{-1500 * pulse}));
-                    REQUIRE((waits_for_standstill ? b.drive.begin(y::wait_standstill{})
-                                                  : b.drive.begin(y::wait_reached{})) == errc::ok);
+                    REQUIRE(b.drive.run(move_by{-1500 * pulse}));
+                    REQUIRE((waits_for_standstill ? b.drive.begin(wait_standstill{})
+                                                  : b.drive.begin(wait_reached{})) == errc::ok);
                     b.pass(at);
                     if (b.drive.is_idle()) continue; // it had arrived
                     ++judged;
@@ -96,10 +95,10 @@ TEST_CASE("G34, G37: a homing that a restart cuts short is not done, also where 
             sim::yako_options options{};
             options.restart_keeps_homed = keeps_homed;
             stepper<closed> b{115200, options, without_watchdog};
-            REQUIRE(b.drive.run(y::init{}));
-            REQUIRE(b.drive.run(y::enable{}));
-            REQUIRE(b.drive.run(y::declare_position{0 * pulse}));
-            REQUIRE(b.drive.run(y::move_by{800 * pulse}, y::wait_reached{}).how == arrival_state::reached);
+            REQUIRE(b.drive.run(init{}));
+            REQUIRE(b.drive.run(enable{}));
+            REQUIRE(b.drive.run(declare_position{0 * pulse}));
+            REQUIRE(b.drive.run(move_by{800 * pulse}, wait_reached{}).how == arrival_state::reached);
             if (b.drive.begin(y::closed_loop::home{y::homing::negative_limit}) != errc::ok) FAIL("no homing");
             b.pass(at);
             if (b.drive.is_idle()) continue;
@@ -121,12 +120,12 @@ TEST_CASE("G36, G39: no position of a restarted ZLAC8015D is given as that of th
             sim::zlac8015d_options options{};
             options.while_turning = shaft;
             wheels_bench b{115200, options, supervision{milliseconds(20), milliseconds(500)}};
-            REQUIRE(b.drive.run(z::init{}));
-            REQUIRE(b.drive.run(z::enable{}));
-            REQUIRE(b.drive.run(z::velocity{60 * r_per_min, 60 * r_per_min}));
+            REQUIRE(b.drive.run(init{}));
+            REQUIRE(b.drive.run(enable{}));
+            REQUIRE(b.drive.run(velocity{60 * r_per_min, 60 * r_per_min}));
             for (int i = 0; i < 20; ++i) {
                 b.pass(100'000);
-                REQUIRE(b.drive.run(z::velocity{60 * r_per_min, 60 * r_per_min}));
+                REQUIRE(b.drive.run(velocity{60 * r_per_min, 60 * r_per_min}));
             }
             b.pass(50'000 + phase * 371);
             const auto last = b.drive.feedback(milliseconds(60));
@@ -152,9 +151,9 @@ TEST_CASE(
         sim::zlac8015d_options options{};
         options.while_turning = shaft;
         wheels_bench b{115200, options, supervision{milliseconds(20), no_command_timeout}};
-        REQUIRE(b.drive.run(z::init{}));
-        REQUIRE(b.drive.run(z::enable{}));
-        REQUIRE(b.drive.run(z::velocity{60 * r_per_min, -60 * r_per_min}));
+        REQUIRE(b.drive.run(init{}));
+        REQUIRE(b.drive.run(enable{}));
+        REQUIRE(b.drive.run(velocity{60 * r_per_min, -60 * r_per_min}));
         b.pass(200'000);
         for (int i = 0; i < 100; ++i) {
             b.pass(3'000);
@@ -171,12 +170,12 @@ TEST_CASE_TEMPLATE(
     for (const bool jogs : {false, true}) {
         for (std::uint32_t phase = 0; phase < 40; ++phase) {
             stepper<Axis> b{115200, sim::yako_options{}, without_watchdog};
-            REQUIRE(b.drive.run(y::init{}));
-            REQUIRE(b.drive.run(y::enable{}));
-            REQUIRE((jogs ? b.drive.run(y::velocity{300 * r_per_min})
-                          : b.drive.run(y::move_by{100'000 * pulse,
-                                                   y::motion_profile{0 * r_per_min, 100 * millisecond,
-                                                                     100 * millisecond, 300 * r_per_min}})));
+            REQUIRE(b.drive.run(init{}));
+            REQUIRE(b.drive.run(enable{}));
+            REQUIRE((jogs ? b.drive.run(velocity{300 * r_per_min})
+                          : b.drive.run(move_by{100'000 * pulse,
+                                                y::motion_profile{0 * r_per_min, 100 * millisecond,
+                                                                  100 * millisecond, 300 * r_per_min}})));
             b.pass(1'000'000 + phase * 1977);
             const auto last = b.drive.feedback(milliseconds(60));
             REQUIRE(last);
@@ -196,11 +195,11 @@ TEST_CASE_TEMPLATE(
 
 TEST_CASE("G39: after a declared position, a clearing or a homing a lower position raises no suspicion") {
     stepper<closed> b{115200, sim::yako_options{}, without_watchdog};
-    REQUIRE(b.drive.run(y::init{}));
-    REQUIRE(b.drive.run(y::enable{}));
-    REQUIRE(b.drive.run(y::move_by{20'000 * pulse}, y::wait_reached{}).how == arrival_state::reached);
+    REQUIRE(b.drive.run(init{}));
+    REQUIRE(b.drive.run(enable{}));
+    REQUIRE(b.drive.run(move_by{20'000 * pulse}, wait_reached{}).how == arrival_state::reached);
     b.pass(30'000);
-    REQUIRE(b.drive.run(y::declare_position{0 * pulse}));
+    REQUIRE(b.drive.run(declare_position{0 * pulse}));
     for (int i = 0; i < 100; ++i) {
         b.pass(1'000);
         REQUIRE(b.drive.feedback(milliseconds(60)));
@@ -212,12 +211,12 @@ TEST_CASE("G36, G39: no position of a restarted C630S is given as that of the on
     unsigned judged = 0, anew = 0;
     for (std::uint32_t phase = 0; phase < 120; ++phase) {
         bench<sim::c630s, c::drive<on_wire>> b{57600, sim::c630s_options{}, without_watchdog};
-        REQUIRE(b.drive.run(c::init{}));
+        REQUIRE(b.drive.run(init{}));
         REQUIRE(b.drive.run(c::set_up{}));
         b.machine.power_cycle();
-        REQUIRE(b.drive.run(c::init{}));
+        REQUIRE(b.drive.run(init{}));
         REQUIRE(b.drive.run(c::enable_in{c::control_mode::speed}));
-        REQUIRE(b.drive.run(c::velocity{300 * r_per_min}));
+        REQUIRE(b.drive.run(velocity{300 * r_per_min}));
         b.pass(2'000'000 + phase * 1400);
         const auto last = b.drive.feedback(milliseconds(400));
         REQUIRE(last);
@@ -230,7 +229,7 @@ TEST_CASE("G36, G39: no position of a restarted C630S is given as that of the on
             REQUIRE(now->position.count() >= last->position.count());
         }
         CHECK(b.drive.state() == c::drive_state::needs_init);
-        REQUIRE(b.drive.run(c::init{}));
+        REQUIRE(b.drive.run(init{}));
         for (int i = 0; i < 400; ++i) {
             b.pass(500);
             const auto now = b.drive.feedback(milliseconds(20'000));
@@ -247,10 +246,10 @@ TEST_CASE("G36, G39: no position of a restarted C630S is given as that of the on
 TEST_CASE(
     "G36, G39: after a homing no position of a C630S is given that counts from where it counted before") {
     bench<sim::c630s, c::drive<on_wire>> b{57600, sim::c630s_options{}, without_watchdog};
-    REQUIRE(b.drive.run(c::init{}));
+    REQUIRE(b.drive.run(init{}));
     REQUIRE(b.drive.run(c::set_up{}));
     b.machine.power_cycle();
-    REQUIRE(b.drive.run(c::init{}));
+    REQUIRE(b.drive.run(init{}));
     b.machine.attach({.home_from = 600'000,
                       .home_to = 660'000,
                       .negative_limit = -90'000'000,
@@ -275,7 +274,7 @@ TEST_CASE(
         }
         CHECK(given > 500);
         REQUIRE(b.drive.run(c::segment{1, -5000 * reference_unit, 300 * r_per_min}));
-        REQUIRE(b.drive.run(c::start_segment{1}, c::wait_reached{}).how == arrival_state::reached);
+        REQUIRE(b.drive.run(c::start_segment{1}, wait_reached{}).how == arrival_state::reached);
         b.pass(1'000'000);
     }
 }
@@ -288,10 +287,10 @@ TEST_CASE(
     seen.clear();
     bench<sim::c630s, c::drive<on_wire>> b{57600, sim::c630s_options{},
                                            supervision{milliseconds(20), no_command_timeout}};
-    REQUIRE(b.drive.run(c::init{}));
+    REQUIRE(b.drive.run(init{}));
     REQUIRE(b.drive.run(c::set_up{}));
     b.machine.power_cycle();
-    REQUIRE(b.drive.run(c::init{}));
+    REQUIRE(b.drive.run(init{}));
     REQUIRE(b.drive.run(c::segment{1, 500 * reference_unit, 300 * r_per_min}));
     REQUIRE(b.drive.run(c::enable_in{c::control_mode::position}));
     struct open_frame {
@@ -308,7 +307,7 @@ TEST_CASE(
         &open);
     for (std::uint32_t k = 0; k < 40; ++k) {
         b.pass(60'000 + k * 1'300);
-        REQUIRE(b.drive.run(c::start_segment{1}, c::wait_reached{}).how == arrival_state::reached);
+        REQUIRE(b.drive.run(c::start_segment{1}, wait_reached{}).how == arrival_state::reached);
     }
     const auto is_of_inputs = [](const std::array<std::uint8_t, 8>& f, std::uint8_t code) {
         return f[1] == code && f[2] == 0x31 && f[3] == 0x00;
@@ -330,10 +329,10 @@ TEST_CASE(
             CAPTURE(after);
             stepper<closed> b{115200, sim::yako_options{},
                               supervision{milliseconds(250), no_command_timeout}};
-            REQUIRE(b.drive.run(y::init{}));
-            REQUIRE(b.drive.run(y::enable{}));
-            REQUIRE(b.drive.run(y::move_by{3000 * pulse}, y::wait_reached{}).how == arrival_state::reached);
-            if (is_init) REQUIRE(b.drive.run(y::init{}));
+            REQUIRE(b.drive.run(init{}));
+            REQUIRE(b.drive.run(enable{}));
+            REQUIRE(b.drive.run(move_by{3000 * pulse}, wait_reached{}).how == arrival_state::reached);
+            if (is_init) REQUIRE(b.drive.run(init{}));
             if (!is_init)
                 REQUIRE(
                     b.drive.run(y::set_homing_profile{200 * r_per_min, 120 * r_per_min, 50 * millisecond}));
@@ -355,11 +354,11 @@ TEST_CASE(
     for (std::uint32_t at = 3'000; at < 400'000; at += 7'000) {
         CAPTURE(at);
         stepper<closed> b{115200, sim::yako_options{}, supervision{milliseconds(100), no_command_timeout}};
-        REQUIRE(b.drive.run(y::init{}));
-        REQUIRE(b.drive.run(y::enable{}));
-        REQUIRE(b.drive.run(y::move_by{700 * pulse}, y::wait_reached{}).how == arrival_state::reached);
+        REQUIRE(b.drive.run(init{}));
+        REQUIRE(b.drive.run(enable{}));
+        REQUIRE(b.drive.run(move_by{700 * pulse}, wait_reached{}).how == arrival_state::reached);
         REQUIRE(b.drive.run(
-            y::move_by{-697 * pulse, {0 * r_per_min, 50 * millisecond, 50 * millisecond, 240 * r_per_min}}));
+            move_by{-697 * pulse, {0 * r_per_min, 50 * millisecond, 50 * millisecond, 240 * r_per_min}}));
         b.pass(at);
         if (!b.machine.view().is_moving || std::abs(b.machine.view().position) < 20) continue;
         ++judged;

@@ -63,7 +63,7 @@ TEST_CASE("4.3: a position that is not the declared one after 200 ms was not tak
     cached_settings known{};
     known.state = drive_state::enabled;
     known.word_order = word_order::high_first;
-    const prepared_command c = declare_position{500 * pulse}.prepare(known);
+    const prepared_command c = commands::prepared(declare_position{500 * pulse}, known);
     std::array<u16, 8> words{};
     words[routines::status_at] = 0x0002; // homed
     motion_under_way<closed_loop::device> m;
@@ -122,7 +122,7 @@ TEST_CASE("G34: either software limit is the cause of a move that ends short at 
     }
     closed_axis a;
     enabled_yako::take_homed(a);
-    REQUIRE(a.drive.run(limit_travel{8'000 * pulse, -2'000 * pulse}));
+    REQUIRE(a.drive.run(limit_travel{-2'000 * pulse, 8'000 * pulse}));
     const arrival end = a.drive.run(move_by{-9'000 * pulse, enabled_yako::brisk}, wait_reached{});
     CHECK(end.how == arrival_state::stopped_short);
     CHECK(end.cause == stop_cause::software_limit);
@@ -166,7 +166,7 @@ TEST_CASE("G34: a move that was replaced, or a way that began while the motor mo
     const std::array<u16, 7> at_500{0, motion_status::homed_bit, 0, 0, 0, 500};
     const auto arrives = [&](const auto& wanted, const std::array<u16, 7>& before) {
         motion_under_way<closed_loop::device> m;
-        const prepared_command c = wanted.prepare(known);
+        const prepared_command c = commands::prepared(wanted, known);
         m.begin(c, before.data(), known);
         m.keep_goal(c);
         return m.arrival_of(at_500.data(), milliseconds(900), known).how;
@@ -177,7 +177,7 @@ TEST_CASE("G34: a move that was replaced, or a way that began while the motor mo
     CHECK(arrives(move_to{500 * pulse}, moving) == arrival_state::reached);
 
     model<closed_loop::device> m;
-    prepared_command c = move_by{500 * pulse}.prepare(known);
+    prepared_command c = commands::prepared(move_by{500 * pulse}, known);
     REQUIRE(m.permit(c, {at_rest.data(), {}, {}}, known) == errc::ok);
     REQUIRE(m.learn(c, endings{}.done({at_rest.data(), at_rest.size()}), known) == errc::ok);
     REQUIRE(m.arrival_of(at_500.data(), milliseconds(900), known).how == arrival_state::reached);

@@ -44,7 +44,7 @@ image_words at(std::int32_t left, std::int32_t right, std::uint16_t status = sta
 /// A model that has begun a relative move of both wheels by 1000 counts, from zero.
 model moving(cached_settings& known) {
     model m;
-    prepared_command c = move_by{1000 * pulse, 1000 * pulse}.prepare(known);
+    prepared_command c = commands::prepared(move_by{1000 * pulse, 1000 * pulse}, known);
     REQUIRE(c.refusal == errc::ok);
     const image_words before = at(0, 0);
     REQUIRE(m.learn(c, endings{}.done({before.data(), before.size()}), known) == errc::ok);
@@ -94,7 +94,7 @@ TEST_CASE(
     for (const drive_state state : {drive_state::enabled, drive_state::needs_init}) {
         cached_settings known = enabled_in(operating_mode::relative_position);
         model m = moving(known);
-        prepared_command c = move_by{500 * pulse, 500 * pulse}.prepare(known);
+        prepared_command c = commands::prepared(move_by{500 * pulse, 500 * pulse}, known);
         const auto failed_at = static_cast<std::uint8_t>(routines::start_step);
         const command_status lost{status::sent(errc::timeout), failed_at, true};
         c.steps = no_steps; // as the facade calls it

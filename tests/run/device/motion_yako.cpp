@@ -140,7 +140,7 @@ TEST_CASE(
         const command_status got = s.command == 'm'   ? a.drive.run(move_by{way})
                                    : s.command == 'i' ? a.drive.run(move_by{way, {}, while_moving::interrupt})
                                    : s.command == 'b' ? a.drive.run(bounded_jog{way})
-                                                      : a.drive.run(yako::velocity{30 * r_per_min});
+                                                      : a.drive.run(velocity{30 * r_per_min});
         CHECK(got.error() == s.ends);
         CHECK(is(a.drive.motion(), s.motion));
         CHECK(a.drive.state() == s.state);
@@ -210,7 +210,7 @@ TEST_CASE("G16: what a start without a response has done, by the image after it"
             a.model.show({s.before, s.after});
             a.model.loses_start = true;
             const command_status got =
-                is_jog ? a.drive.run(yako::velocity{30 * r_per_min}) : a.drive.run(move_by{100 * pulse});
+                is_jog ? a.drive.run(velocity{30 * r_per_min}) : a.drive.run(move_by{100 * pulse});
             CHECK(got.error() == errc::timeout);
             const std::size_t asked = a.requests.size();
             a.finish();
@@ -298,7 +298,7 @@ TEST_CASE("a jog has no target, and leaves none of the move before it") {
     REQUIRE(a.drive.run(move_by{100 * pulse}));
     REQUIRE(a.drive.run(wait_reached{}));
     a.model.show({{1100}, {1100, moving}});
-    REQUIRE(a.drive.run(yako::velocity{30 * r_per_min}));
+    REQUIRE(a.drive.run(velocity{30 * r_per_min}));
     CHECK(a.drive.arrival().how == arrival_state::none);
     CHECK(a.drive.run(wait_reached{}).error() == errc::wrong_state);
 }

@@ -59,7 +59,7 @@ struct rig {
 static_assert(winch::model::blocks.image().contains(winch::position.address, 2));
 static_assert(winch::model::kinds[winch::turn{}.prepare({}).then] == command_kind::endless_motion);
 static_assert(winch::turn{601 * r_per_min}.prepare({drive_state::enabled}).refusal == errc::out_of_range);
-static_assert(winch::move_to{2'000'000 * pulse}.prepare({drive_state::enabled}).refusal ==
+static_assert(winch::prepare(servobus::move_to{2'000'000 * pulse}, {drive_state::enabled}).refusal ==
               errc::out_of_range);
 
 } // namespace
@@ -68,14 +68,15 @@ TEST_CASE(
     "own drive: nothing moves before init and enable, and arguments are checked before anything is sent") {
     rig r;
     CHECK(r.drum.run(winch::turn{10 * r_per_min}).error() == errc::needs_init);
-    CHECK(r.drum.run(winch::move_to{100 * pulse}).error() == errc::needs_init);
+    CHECK(r.drum.run(servobus::move_to{100 * pulse}).error() == errc::needs_init);
     REQUIRE(r.drum.run(servobus::init{}));
     CHECK(r.drum.run(winch::turn{10 * r_per_min}).error() == errc::wrong_state);
     REQUIRE(r.drum.run(servobus::enable{}));
     CHECK(r.drum.run(winch::turn{61 * r_per_min}).error() == errc::out_of_range);
-    CHECK(r.drum.run(winch::move_to{1'000'001 * pulse}).error() == errc::out_of_range);
+    CHECK(r.drum.run(servobus::move_to{1'000'001 * pulse}).error() == errc::out_of_range);
     CHECK(r.drum.run(servobus::wait_reached{}).error() == errc::wrong_state);
-    CHECK(r.drum.run(winch::move_to{1'000'001 * pulse}, servobus::wait_reached{}).how == arrival_state::none);
+    CHECK(r.drum.run(servobus::move_to{1'000'001 * pulse}, servobus::wait_reached{}).how ==
+          arrival_state::none);
     CHECK(r.drum.last().error() == errc::out_of_range);
     CHECK(r.machine.starts() == 0);
 }
@@ -84,10 +85,11 @@ TEST_CASE(
     "own drive: a move ends at its target, and one that a fault interrupts says what is missing and why") {
     rig r;
     r.ready();
-    CHECK(r.drum.run(winch::move_to{12'000 * pulse}, servobus::wait_reached{}).how == arrival_state::reached);
+    CHECK(r.drum.run(servobus::move_to{12'000 * pulse}, servobus::wait_reached{}).how ==
+          arrival_state::reached);
     CHECK(r.machine.place() == 12'000);
-    REQUIRE(r.drum.run(winch::move_to{-8'000 * pulse}));
-    CHECK(r.drum.run(winch::move_to{0 * pulse}).error() == errc::busy);
+    REQUIRE(r.drum.run(servobus::move_to{-8'000 * pulse}));
+    CHECK(r.drum.run(servobus::move_to{0 * pulse}).error() == errc::busy);
     r.loop(500);
     CHECK(r.drum.arrival().how == arrival_state::under_way);
     r.machine.raise_fault(7);
@@ -108,7 +110,7 @@ TEST_CASE(
 TEST_CASE("own drive: a move that stands still for no stated reason is not reported as made") {
     rig r;
     r.ready();
-    REQUIRE(r.drum.run(winch::move_to{9'000 * pulse}));
+    REQUIRE(r.drum.run(servobus::move_to{9'000 * pulse}));
     r.loop(300);
     r.machine.interrupt();
     CHECK(r.drum.run(servobus::wait_reached{}).error() == errc::stopped_short);
@@ -125,7 +127,7 @@ TEST_CASE("own drive: a command timeout stops a turn, and cuts no move") {
     CHECK_FALSE(r.machine.is_turning());
     CHECK(r.machine.is_energised());
     const std::int32_t from = r.machine.place();
-    REQUIRE(r.drum.run(winch::move_to{(from + 10'000) * pulse}));
+    REQUIRE(r.drum.run(servobus::move_to{(from + 10'000) * pulse}));
     r.loop(1'500);
     CHECK(r.machine.place() == from + 10'000);
     CHECK(r.drum.arrival().how == arrival_state::reached);
@@ -156,7 +158,7 @@ TEST_CASE("own drive: on a line that loses frames a start is made at most once, 
         r.loop(static_cast<std::uint32_t>(seed));
         r.wire.faults() = {.lost_request = 100, .lost_response = 150};
         const std::uint32_t before = r.machine.starts();
-        const command_status ended = r.drum.run(winch::move_to{3'000 * pulse});
+        const command_status ended = r.drum.run(servobus::move_to{3'000 * pulse});
         CHECK(r.machine.starts() <= before + 1);
         if (ended) CHECK(r.machine.starts() == before + 1);
         if (ended.outcome() == outcome::not_sent) CHECK(r.machine.starts() == before);
@@ -236,7 +238,7 @@ TEST_CASE("own drive: on a bus it keeps its supervision, its cyclic reads and th
     CHECK(all.latest<winch::load>(milliseconds(400)));
     REQUIRE(drum.feedback(milliseconds(100)));
     CHECK(drum.feedback(milliseconds(100))->position.count() == r.machine.place());
-    CHECK(all.run(drum, winch::move_to{5'000 * pulse}, servobus::wait_reached{}).how ==
+    CHECK(all.run(drum, servobus::move_to{5'000 * pulse}, servobus::wait_reached{}).how ==
           arrival_state::reached);
     CHECK(r.machine.place() == 5'000);
     r.wire.wait(milliseconds(200));

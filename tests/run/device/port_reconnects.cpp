@@ -107,7 +107,7 @@ TEST_CASE("G45, G47: the first frame on a port that opened itself is a stop, of 
         const auto step = [&] { return drive.step(); };
         REQUIRE(drive.run(init{}));
         REQUIRE(drive.run(enable{}));
-        REQUIRE(drive.run(yako::velocity{60 * r_per_min}));
+        REQUIRE(drive.run(velocity{60 * r_per_min}));
         s.live(400, step);
         REQUIRE(s.model.view().is_moving);
         (void)s.port.take_change();
@@ -126,7 +126,7 @@ TEST_CASE("G45, G47: the first frame on a port that opened itself is a stop, of 
         s.live(1500, step);
         CHECK_FALSE(s.model.view().is_moving);
         CHECK(drive.state() == drive_state::needs_init);
-        CHECK_FALSE(drive.run(yako::velocity{60 * r_per_min}));
+        CHECK_FALSE(drive.run(velocity{60 * r_per_min}));
         s.live(500, step);
         CHECK_FALSE(s.model.view().is_moving);
     }

@@ -39,14 +39,14 @@ template <class R> std::uint64_t live(R& r, std::uint32_t ms) {
 struct stepper : simulated::closed_axis {
     bool moves() const { return model.view().is_moving; }
     void take() { enabled_yako::take(*this); }
-    void begin_motion() { REQUIRE(drive.run(yako::velocity{60 * r_per_min})); }
-    void begin_move() { REQUIRE(drive.run(yako::move_by{20'000 * yako::pulse})); }
+    void begin_motion() { REQUIRE(drive.run(velocity{60 * r_per_min})); }
+    void begin_move() { REQUIRE(drive.run(move_by{20'000 * yako::pulse})); }
     static bool stops(const std::vector<std::uint8_t>& f) { return same_bytes(f, enabled_yako::stop_frame); }
 };
 struct servo : simulated::driven_c630s {
     bool moves() const { return !model.stands_still(); }
     void take() { enabled_c630s::be_enabled_in(*this, c630s::control_mode::speed); }
-    void begin_motion() { REQUIRE(drive.run(c630s::velocity{300 * units::r_per_min})); }
+    void begin_motion() { REQUIRE(drive.run(velocity{300 * units::r_per_min})); }
     // P0D-05, which the drive does not keep in its EEPROM
     static bool stops(const std::vector<std::uint8_t>& f) {
         return same_bytes(f, modbus::write_frame(1, c630s::emergency_stop.address, u16{1}));
@@ -92,7 +92,7 @@ TEST_CASE_TEMPLATE("G45: a drive that moves is stopped by the first step that ha
 TEST_CASE("G45: a velocity that had left as a halt replaced it, and the port was lost, is stopped") {
     servo s;
     s.take();
-    REQUIRE(s.drive.begin(c630s::velocity{300 * units::r_per_min}) == errc::ok);
+    REQUIRE(s.drive.begin(velocity{300 * units::r_per_min}) == errc::ok);
     const auto is_velocity = [&] {
         return !s.requests.empty() && modbus::is_write(s.requests.back()[1]) &&
                load_word(s.requests.back(), 2) == c630s::target_speed.address;
@@ -187,7 +187,7 @@ TEST_CASE("G45: which commands show that a motor stands which has come to rest b
     };
     const auto moved = [](stepper& s) {
         s.take();
-        REQUIRE(s.drive.run(yako::move_by{200 * yako::pulse}));
+        REQUIRE(s.drive.run(move_by{200 * yako::pulse}));
         (void)live(s, 1000);
         REQUIRE_FALSE(s.moves());
     };
@@ -206,7 +206,7 @@ TEST_CASE("G45: which commands show that a motor stands which has come to rest b
     CHECK(after(enable{}));
     CHECK(after(yako::clear_position{}));
     CHECK(after(yako::set_profile{{10 * r_per_min, 90 * millisecond, 80 * millisecond, 60 * r_per_min}}));
-    CHECK(after(yako::velocity{3001 * r_per_min}, errc::out_of_range));
+    CHECK(after(velocity{3001 * r_per_min}, errc::out_of_range));
     {
         stepper s; // a wait that has seen nothing yet
         s.take();
@@ -218,7 +218,7 @@ TEST_CASE("G45: which commands show that a motor stands which has come to rest b
         s.take();
         s.begin_motion();
         (void)live(s, 300);
-        REQUIRE(s.drive.run(c630s::velocity{0 * units::r_per_min}));
+        REQUIRE(s.drive.run(velocity{0 * units::r_per_min}));
         (void)live(s, 1500);
         REQUIRE_FALSE(s.moves());
         return is_stopped_after(s, command);
@@ -246,7 +246,7 @@ TEST_CASE("G45: a loop stops its drive within a few ms of the port's return, and
     turn(500);
     loop.enable();
     turn(500);
-    REQUIRE(loop.begin(yako::velocity{60 * r_per_min}) == errc::ok);
+    REQUIRE(loop.begin(velocity{60 * r_per_min}) == errc::ok);
     turn(600);
     REQUIRE(s.moves());
     s.wire.unplug();

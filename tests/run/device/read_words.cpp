@@ -58,7 +58,7 @@ struct dual_servo : simulated::simulated_model<distinct<sim::zlac8015d>, sim::zl
 
 TEST_CASE("a YAKO's feedback has each of its registers") {
     const auto check = [](auto a, int of_a_count, bool is_low_first) {
-        REQUIRE(a->drive.run(yako::init{}));
+        REQUIRE(a->drive.run(init{}));
         if (is_low_first) REQUIRE(a->drive.run(yako::set_word_order{yako::word_order_setting::low_first}));
         // 0007h is the status, which has an alarm in 0008h and more: it stays as it is.
         a->model.show(0x0008, 0x000C);
@@ -84,7 +84,7 @@ TEST_CASE("a YAKO's feedback has each of its registers") {
         check(&o, 10, is_low_first);
     }
     closed finer;
-    REQUIRE(finer.drive.run(yako::init{}));
+    REQUIRE(finer.drive.run(init{}));
     REQUIRE(finer.drive.run(yako::set_speed_resolution{yako::speed_count::tenth_r_per_min}));
     finer.model.show(0x000C, 0x000C);
     CHECK(finer.drive.read()->speed == yako::speed{0x0C});
@@ -92,7 +92,7 @@ TEST_CASE("a YAKO's feedback has each of its registers") {
 
 TEST_CASE("a C630S's feedback, fault records and wide positions have each of their registers") {
     servo r;
-    REQUIRE(r.drive.run(c630s::init{}));
+    REQUIRE(r.drive.run(init{}));
     r.model.show(0x0B00, 0x0BFF);
     const result<c630s::feedback> f = r.drive.read();
     REQUIRE(f);
@@ -127,7 +127,7 @@ TEST_CASE("a C630S's feedback, fault records and wide positions have each of the
 
 TEST_CASE("a ZLAC8015D's feedback has each of its registers") {
     dual_servo r;
-    REQUIRE(r.drive.run(zlac8015d::init{}));
+    REQUIRE(r.drive.run(init{}));
     r.model.show(0x20A3, 0x20AC);
     const result<zlac8015d::feedback> f = r.drive.read();
     REQUIRE(f);

@@ -37,8 +37,8 @@ struct rig {
 
     rig() {
         wire.attach(station);
-        REQUIRE(command(yako::init{}));
-        REQUIRE(command(yako::limit_travel{end * pulse, -end * pulse}));
+        REQUIRE(command(init{}));
+        REQUIRE(command(limit_travel{-end * pulse, end * pulse}));
         REQUIRE(command(yako::save{}));
         run(300);
         REQUIRE(command(yako::set_word_order{yako::word_order_setting::low_first})); // until the power goes
@@ -75,7 +75,7 @@ TEST_CASE("G21, G22: a bus gives no 32-bit value in the old word order after a d
             CAPTURE(gone_ms);
             CAPTURE(is_enabled);
             rig r;
-            if (is_enabled) REQUIRE(r.command(yako::enable{}));
+            if (is_enabled) REQUIRE(r.command(enable{}));
             r.wire.set_connected(0, false);
             r.model.power_cycle();
             r.run(gone_ms);
@@ -92,7 +92,7 @@ TEST_CASE("G21, G22: a bus gives no 32-bit value in the old word order after a d
 
 TEST_CASE("G21, G22: a facade's read fails if the drive restarted while one attempt of it was lost") {
     rig r;
-    REQUIRE(r.lift.begin(yako::read_feedback{}) == errc::ok);
+    REQUIRE(r.lift.begin(read_feedback{}) == errc::ok);
     r.wire.set_connected(0, false);
     const std::uint32_t asked = r.wire.requests();
     while (r.wire.requests() == asked) r.lift.step(), r.wire.wait(microseconds(10));
@@ -107,7 +107,7 @@ TEST_CASE("G21, G22: a facade's read fails if the drive restarted while one atte
 TEST_CASE("G21: a lost attempt without a restart only costs a read of the word order, and the cached state "
           "stays valid") {
     rig r;
-    REQUIRE(r.lift.begin(yako::read_feedback{}) == errc::ok);
+    REQUIRE(r.lift.begin(read_feedback{}) == errc::ok);
     r.wire.set_connected(0, false);
     const std::uint32_t asked = r.wire.requests();
     while (r.wire.requests() == asked) r.lift.step(), r.wire.wait(microseconds(10));
@@ -126,7 +126,7 @@ TEST_CASE("G21, G22: a command that waited for the line fails if the drive resta
         const bool is_restarted = turns % 2 == 0;
         CAPTURE(turns);
         rig r;
-        REQUIRE(r.command(yako::enable{}));
+        REQUIRE(r.command(enable{}));
         const std::uint32_t read = r.all.count(0);
         while (r.all.count(0) == read) r.turn();
         // The next read is sent and lost; then the drive is connected again, in half of the cases after a
@@ -136,7 +136,7 @@ TEST_CASE("G21, G22: a command that waited for the line fails if the drive resta
         while (r.wire.requests() == asked) r.turn();
         if (is_restarted) r.model.power_cycle();
         for (std::uint32_t i = 0; i < turns; ++i) r.turn();
-        REQUIRE(r.lift.begin(yako::read_feedback{}) == errc::ok);
+        REQUIRE(r.lift.begin(read_feedback{}) == errc::ok);
         r.turn();
         r.wire.set_connected(0, true);
         while (!r.lift.is_idle()) r.turn();
@@ -205,7 +205,7 @@ TEST_CASE("G22: a bus whose facade has cached the word order gives no 32-bit val
             CAPTURE(asked_after_ms);
             CAPTURE(is_enabled);
             rig r;
-            if (is_enabled) REQUIRE(r.command(yako::enable{}));
+            if (is_enabled) REQUIRE(r.command(enable{}));
             r.run(510 + asked_after_ms);
             REQUIRE(r.limit() == rig::end);
             restart_while_another_client_asks(r);
@@ -231,7 +231,7 @@ TEST_CASE("G22: a bus gives no 32-bit value in the old order also if the restart
             r.wire.wait(idle.us == 0 ? microseconds(1) : idle);
         }
     };
-    REQUIRE(fresh.begin(yako::init{}) == errc::ok);
+    REQUIRE(fresh.begin(init{}) == errc::ok);
     while (!fresh.is_idle()) run(1);
     REQUIRE(fresh.last());
     run(600);

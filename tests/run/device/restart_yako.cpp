@@ -227,7 +227,7 @@ TEST_CASE("G20, G21: a motor that a restarted drive turns, since the restart is 
         CAPTURE(n);
         closed_axis a;
         take(a);
-        a.begin_up_to(yako::velocity{60 * r_per_min, 30 * millisecond, 30 * millisecond}, n);
+        a.begin_up_to(velocity{60 * r_per_min, 30 * millisecond, 30 * millisecond}, n);
         if (a.drive.is_idle()) break;
         a.model.power_cycle(); // it is energised again
         for (int i = 0; i < 100'000 && !a.drive.is_idle(); ++i) {
@@ -267,7 +267,7 @@ TEST_CASE_TEMPLATE("G21, G26: a stop that finds a restart goes on, and is sent o
         CAPTURE(n);
         closed_axis a;
         take(a);
-        REQUIRE(a.drive.run(yako::velocity{600 * r_per_min, 1'000 * millisecond, 1'000 * millisecond}));
+        REQUIRE(a.drive.run(velocity{600 * r_per_min, 1'000 * millisecond, 1'000 * millisecond}));
         a.run(500);
         const std::size_t before = a.sent(enabled_yako::stop_frame);
         a.begin_up_to(Stop{}, n);

@@ -354,8 +354,8 @@ TEST_CASE("G43: wheels at rest near zero raise a suspicion only if a command may
         bool may_move;
     };
     const auto& known = enabled_at_1_r_per_min;
-    const prepared_command turn = velocity{60 * r_per_min, 60 * r_per_min}.prepare(known);
-    const prepared_command stand = velocity{0 * r_per_min, 0 * r_per_min}.prepare(known);
+    const prepared_command turn = commands::prepared(velocity{60 * r_per_min, 60 * r_per_min}, known);
+    const prepared_command stand = commands::prepared(velocity{0 * r_per_min, 0 * r_per_min}, known);
     const prepared_command stop = prepare(servobus::halt{}, known);
     const prepared_command off = prepare(servobus::disable{}, known);
     const prepared_command on = prepare(servobus::enable{}, known);
@@ -421,7 +421,8 @@ TEST_CASE("G43: only the twist that the drive has acknowledged last is no new co
     endings e;
     const auto is_new_after = [&](std::int32_t left, std::int32_t right, bool is_done) {
         m.note_feedback();
-        prepared_command c = velocity{left * r_per_min, right * r_per_min}.prepare(enabled_at_1_r_per_min);
+        prepared_command c =
+            commands::prepared(velocity{left * r_per_min, right * r_per_min}, enabled_at_1_r_per_min);
         REQUIRE(c.refusal == errc::ok);
         m.begin(c);
         ending how = is_done ? e.done() : e.failed(command_status{status::sent(errc::timeout)});
@@ -457,7 +458,8 @@ int fastest_known(const differential& on) {
         const words second =
             wheels_at(way_of(on.base().left()), way_of(on.base().right()), 10 * speed, 10 * speed);
         m.note({.block = 0, .words = first.data(), .taken = instant{1000}, .epoch = 1}, known);
-        zlac8015d::robot_command c = zlac8015d::velocity{speed * r_per_min, speed * r_per_min}.prepare(known);
+        zlac8015d::robot_command c =
+            commands::prepared(velocity{speed * r_per_min, speed * r_per_min}, known);
         endings e;
         REQUIRE(m.admit(c, milliseconds(100)) == errc::ok);
         ending how = e.done();

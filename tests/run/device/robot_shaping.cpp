@@ -378,11 +378,11 @@ TEST_CASE("speeds of the drive's own are a setpoint too; a setting leaves the on
             };
             REQUIRE(r.robot.run(full));
             r.live(milliseconds(phase));
-            REQUIRE(r.robot.run(zlac8015d::velocity{{}, {}}));
+            REQUIRE(r.robot.run(zlac8015d::wheel_velocities{}));
             r.live(10_ms);
             CHECK(ordered_by(twist_of(100, 0)) == 4); // it stands
             REQUIRE(r.robot.run(halt{}));
-            REQUIRE(r.robot.run(zlac8015d::velocity{100 * units::r_per_min, -100 * units::r_per_min}));
+            REQUIRE(r.robot.run(velocity{100 * units::r_per_min, -100 * units::r_per_min}));
             r.live(10_ms);
             CHECK(ordered_by(full) == 100);
             REQUIRE(r.robot.run(zlac8015d::watchdog{600 * units::millisecond}));

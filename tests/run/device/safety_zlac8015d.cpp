@@ -171,7 +171,7 @@ static std::size_t restarts(const options& of, std::uint32_t boot) {
             s.wire.pass(milliseconds(1500));
             const std::int64_t place = s.model.left().position;
             const bool was_enabled = s.model.enabled();
-            const command_status next = s.drive.run(zlac8015d::velocity{50 * r_per_min, 50 * r_per_min});
+            const command_status next = s.drive.run(servobus::velocity{50 * r_per_min, 50 * r_per_min});
             if (next) CHECK(was_enabled);
             s.wire.pass(milliseconds(200));
             if (!next) CHECK(s.model.left().position == place);

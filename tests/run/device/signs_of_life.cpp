@@ -30,13 +30,13 @@ namespace c = servobus::c630s;
 namespace {
 
 using tests::on_wire;
-const z::velocity turning{30 * r_per_min, 30 * r_per_min};
+const velocity turning{30 * r_per_min, 30 * r_per_min};
 
 struct wheels_bench : tests::driven_machine<sim::zlac8015d, z::drive<on_wire>> {
     explicit wheels_bench(duration timeout)
         : driven_machine{115200, sim::zlac8015d_options{}, supervision{.command_timeout = timeout}} {
-        REQUIRE(drive.run(z::init{}));
-        REQUIRE(drive.run(z::enable{}));
+        REQUIRE(drive.run(init{}));
+        REQUIRE(drive.run(enable{}));
     }
 };
 
@@ -121,7 +121,7 @@ TEST_CASE("G20, G40: a command that the timeout cuts has an error of its own") {
     wheels_bench b{milliseconds(200)};
     REQUIRE(b.drive.run(turning));
     for (const std::uint64_t end = b.wire.time_us() + 60'000; b.wire.time_us() < end;) b.step(); // it turns
-    REQUIRE(b.drive.begin(z::wait_standstill{}) == errc::ok); // it does not come
+    REQUIRE(b.drive.begin(wait_standstill{}) == errc::ok); // it does not come
     while (!b.drive.is_idle()) b.step();
     CHECK(b.drive.last().error() == errc::command_timeout);
     while (b.machine.left().speed != 0) b.step();
@@ -137,10 +137,10 @@ TEST_CASE("G20: the command timeout of a motion before a restart stops no comman
                 b.step();
             b.machine.power_cycle();
             while (b.drive.state() != z::drive_state::needs_init || !b.drive.is_idle()) b.step();
-            REQUIRE(b.drive.begin(z::init{}) == errc::ok);
+            REQUIRE(b.drive.begin(init{}) == errc::ok);
             while (!b.drive.is_idle()) b.step();
             REQUIRE(b.drive.last());
-            REQUIRE(b.drive.begin(z::enable{}) == errc::ok);
+            REQUIRE(b.drive.begin(enable{}) == errc::ok);
             while (!b.drive.is_idle()) b.step();
             CHECK(b.drive.last());
             CHECK(b.machine.enabled());
@@ -158,9 +158,9 @@ TEST_CASE("G35: after `init` a drive that has a fault is faulted, before any fee
         z::drive drive{on, 1, {.command_timeout = no_command_timeout}};
         machine.raise(z::fault::overcurrent, z::fault::none);
         wire.pass(milliseconds(100));
-        REQUIRE(drive.run(z::init{}));
+        REQUIRE(drive.run(init{}));
         CHECK(drive.state() == z::drive_state::faulted);
-        CHECK(drive.run(z::enable{}).error() == errc::faulted);
+        CHECK(drive.run(enable{}).error() == errc::faulted);
     }
     {
         sim::yako_closed_loop machine;
@@ -171,9 +171,9 @@ TEST_CASE("G35: after `init` a drive that has a fault is faulted, before any fee
         y::closed_loop::drive drive{on, 1};
         machine.raise_alarm(4);
         wire.pass(milliseconds(100));
-        REQUIRE(drive.run(y::init{}));
+        REQUIRE(drive.run(init{}));
         CHECK(drive.state() == y::drive_state::faulted);
-        CHECK(drive.run(y::enable{}).error() == errc::faulted);
+        CHECK(drive.run(enable{}).error() == errc::faulted);
     }
     {
         sim::c630s machine;
@@ -182,12 +182,12 @@ TEST_CASE("G35: after `init` a drive that has a fault is faulted, before any fee
         wire.attach(station);
         line on{wire, modbus::timing_at(57600)};
         c::drive drive{on, 1};
-        REQUIRE(drive.run(c::init{}));
+        REQUIRE(drive.run(init{}));
         REQUIRE(drive.run(c::set_up{}));
         machine.power_cycle();
         machine.raise(0x620, true);
         wire.pass(milliseconds(100));
-        REQUIRE(drive.run(c::init{}));
+        REQUIRE(drive.run(init{}));
         CHECK(drive.state() == c::drive_state::faulted);
         CHECK(drive.run(c::enable_in{c::control_mode::speed}).error() == errc::faulted);
     }
@@ -195,15 +195,15 @@ TEST_CASE("G35: after `init` a drive that has a fault is faulted, before any fee
 
 TEST_CASE("G34, G35: while the stop for a fault is under way a wait for the move is refused for the fault") {
     wheels_bench b{milliseconds(500)};
-    REQUIRE(b.drive.run(z::disable{}));
+    REQUIRE(b.drive.run(disable{}));
     REQUIRE(b.drive.run(z::enable_in{z::operating_mode::relative_position}));
-    REQUIRE(b.drive.run(z::move_by{200'000 * pulse, 200'000 * pulse}));
+    REQUIRE(b.drive.run(move_by{200'000 * pulse, 200'000 * pulse}));
     for (const std::uint64_t end = b.wire.time_us() + 300'000; b.wire.time_us() < end;) b.step();
     REQUIRE(b.drive.arrival().how == arrival_state::under_way);
     b.machine.raise(z::fault::overcurrent, z::fault::none);
     while (b.drive.is_idle()) b.step(); // until its stop begins
     CHECK(b.drive.state() == z::drive_state::faulted);
-    CHECK(b.drive.begin(z::wait_reached{}) == errc::faulted);
+    CHECK(b.drive.begin(wait_reached{}) == errc::faulted);
     CHECK(b.drive.arrival().how == arrival_state::stopped_short);
     CHECK(b.drive.arrival().cause == stop_cause::fault);
 }
@@ -218,7 +218,7 @@ TEST_CASE(
             CAPTURE(us);
             CAPTURE(stall_ms);
             wheels_bench b{milliseconds(500)};
-            REQUIRE(b.drive.run(z::disable{}));
+            REQUIRE(b.drive.run(disable{}));
             const z::cached_settings before = b.drive.cached();
             REQUIRE(before.max_speed != 0);
             REQUIRE(b.drive.begin(z::enable_in{z::operating_mode::velocity}) == errc::ok);
@@ -248,19 +248,19 @@ TEST_CASE("G34: a YAKO that an input or a software limit stops says so as the ca
         wire.attach(station);
         line on{wire, modbus::timing_at(115200)};
         y::closed_loop::drive drive{on, 1};
-        REQUIRE(drive.run(y::init{}));
-        REQUIRE(drive.run(y::disable{}));
+        REQUIRE(drive.run(init{}));
+        REQUIRE(drive.run(disable{}));
         REQUIRE(drive.run(y::set_input{y::input::x3, y::input_function::stop}));
-        REQUIRE(drive.run(y::enable{}));
-        REQUIRE(drive.run(y::declare_position{0 * pulse}));
+        REQUIRE(drive.run(enable{}));
+        REQUIRE(drive.run(declare_position{0 * pulse}));
         return disturb(machine, drive, on, wire);
     };
     const auto moved = [](auto& drive, auto& on, auto& wire, auto&& at_half) {
-        REQUIRE(drive.run(y::move_by{20'000 * pulse}));
+        REQUIRE(drive.run(move_by{20'000 * pulse}));
         for (const std::uint64_t end = wire.time_us() + 300'000; wire.time_us() < end;)
             on.sleep(drive.step());
         at_half();
-        CHECK(drive.run(y::wait_reached{}).error() == errc::stopped_short);
+        CHECK(drive.run(wait_reached{}).error() == errc::stopped_short);
         return drive.arrival();
     };
     const auto by_input = cause_of([&](auto& machine, auto& drive, auto& on, auto& wire) {
@@ -269,7 +269,7 @@ TEST_CASE("G34: a YAKO that an input or a software limit stops says so as the ca
     CHECK(by_input.how == arrival_state::stopped_short);
     CHECK(by_input.cause == stop_cause::input);
     const auto by_limit = cause_of([&](auto&, auto& drive, auto& on, auto& wire) {
-        REQUIRE(drive.run(y::limit_travel{8'000 * pulse, -5'000 * pulse}));
+        REQUIRE(drive.run(limit_travel{-5'000 * pulse, 8'000 * pulse}));
         return moved(drive, on, wire, [] {});
     });
     CHECK(by_limit.how == arrival_state::stopped_short);

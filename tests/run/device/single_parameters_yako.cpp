@@ -126,8 +126,8 @@ TEST_CASE(
         const auto take = [&] { return lift.run(init{}) && lift.run(enable{}); };
         REQUIRE(take());
         for (int i = 0; i < 4; ++i) {
-            REQUIRE(lift.run(
-                travel_by{2_um, {.top = 50_mm_per_s, .acceleration = 50_ms, .deceleration = 50_ms}}));
+            REQUIRE(
+                lift.run(move_by{2_um, {.top = 50_mm_per_s, .acceleration = 50_ms, .deceleration = 50_ms}}));
             REQUIRE(lift.run(wait_standstill{}));
             if (!sets) continue;
             REQUIRE(lift.run(disable{}));

@@ -32,7 +32,7 @@ struct wheels {
     static constexpr drive_state after_quick_stop = drive_state::quick_stopped;
     void prepare() { REQUIRE(r.drive.run(init{})); }
     static auto on() { return zlac8015d::enable_in{zlac8015d::operating_mode::velocity}; }
-    static auto motion() { return zlac8015d::velocity{60 * r_per_min, -90 * r_per_min}; }
+    static auto motion() { return velocity{60 * r_per_min, -90 * r_per_min}; }
     void fail() { r.model.raise(zlac8015d::fault::overload, {}); }
     bool stands_still() const { return r.model.stands_still(); }
 };
@@ -45,7 +45,7 @@ template <class A> struct stepper {
         REQUIRE(r.drive.run(disable{}));
     }
     static auto on() { return enable{}; }
-    static auto motion() { return yako::velocity{60 * r_per_min}; }
+    static auto motion() { return velocity{60 * r_per_min}; }
     void fail() { r.model.raise_alarm(4); }
     bool stands_still() const { return !r.is_moving(); }
 };
@@ -57,7 +57,7 @@ struct servo {
     static constexpr drive_state after_quick_stop = drive_state::quick_stopped;
     void prepare() { REQUIRE(r.make_ready()); }
     static auto on() { return c630s::enable_in{c630s::control_mode::speed}; }
-    static auto motion() { return c630s::velocity{100 * r_per_min}; }
+    static auto motion() { return velocity{100 * r_per_min}; }
     void fail() { r.model.raise(0x620); }
     bool stands_still() const { return r.model.stands_still(); }
 };

@@ -49,7 +49,7 @@ TEST_CASE("G17: a loop without a response wears the EEPROM by at most 20 writes 
             CAPTURE(seed);
             rig r{seed};
             setpoint_loop loop{r.servo, take_over{}, c630s::enable_in{c630s::control_mode::speed},
-                               setpoints<c630s::velocity>{}};
+                               setpoints<c630s::motor_velocity>{}};
             r.wire.faults().lost_response = 1000;
             r.wire.faults().lost_request = static_cast<std::uint16_t>(1000 - arrive);
             const auto before = r.model.eeprom_writes();

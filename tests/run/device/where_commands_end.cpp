@@ -126,9 +126,9 @@ TEST_CASE("a command that is refused before anything is sent, or that is done at
 }
 
 TEST_CASE("commands and steps have names") {
-    CHECK(std::string_view{command_text<zlac8015d::move_by>} == "move_by");
+    CHECK(std::string_view{command_text<zlac8015d::wheel_ways>} == "move_by");
     CHECK(std::string_view{command_text<init>} == "init");
-    CHECK(std::string_view{command_text<yako::declare_position>} == "declare_position");
+    CHECK(std::string_view{command_text<yako::position_declaration>} == "declare_position");
     CHECK(std::string_view{command_text<winch::turn>} == "turn");
     CHECK(std::string_view{command_text<yako::closed_loop::home>} == "basic_home");
     for (unsigned k = 0; k <= static_cast<unsigned>(step::kind::witness); ++k) {

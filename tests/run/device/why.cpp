@@ -48,8 +48,7 @@ constexpr zlac8015d::cached_settings wheels_in(drive_state s, zlac8015d::operati
 constexpr auto in_velocity = wheels_in(enabled, zlac8015d::operating_mode::velocity);
 
 // The answer is a constant of the program if the settings are.
-constexpr refusal too_fast =
-    commands::refusal_of(zlac8015d::velocity{0 * r_per_min, -101 * r_per_min}, in_velocity);
+constexpr refusal too_fast = commands::refusal_of(velocity{0 * r_per_min, -101 * r_per_min}, in_velocity);
 static_assert(too_fast.error == errc::out_of_range && too_fast.is_of_value() && !too_fast.is_of_state());
 static_assert(too_fast.argument.address == zlac8015d::right_target_speed.address);
 static_assert(too_fast.argument.limited_by == zlac8015d::max_motor_speed.address);
@@ -62,7 +61,7 @@ static_assert(sizeof(refusal) <= 112);
 struct nudge {
     zlac8015d::speed by;
     constexpr zlac8015d::prepared_command prepare(const zlac8015d::cached_settings& known) const {
-        return zlac8015d::velocity{by, by}.prepare(known);
+        return commands::prepared(velocity{by, by}, known);
     }
 };
 
@@ -70,7 +69,8 @@ struct nudge {
 
 TEST_CASE("why: a ZLAC8015D's command names its states and its mode") {
     using namespace zlac8015d;
-    const refusal off = commands::refusal_of(velocity{}, wheels_in(disabled, operating_mode::velocity));
+    const refusal off =
+        commands::refusal_of(wheel_velocities{}, wheels_in(disabled, operating_mode::velocity));
     CHECK(off.error == errc::wrong_state);
     CHECK(off.is_of_state());
     CHECK_FALSE(off.is_of_value());
@@ -124,7 +124,7 @@ TEST_CASE("why: a C630S's command names its states, mode, source and segments") 
     // A speed is refused while a jog is under way, also where there is none now.
     auto with_segments = in_speed;
     with_segments.runs_speed_segments = true;
-    CHECK(codes_of(commands::refusal_of(velocity{}, with_segments), 0x3100) == 1 << 0);
+    CHECK(codes_of(commands::refusal_of(motor_velocity{}, with_segments), 0x3100) == 1 << 0);
 
     auto by_steps = in_speed;
     by_steps.mode = control_mode::position;
@@ -138,7 +138,7 @@ TEST_CASE("why: a C630S's command names its states, mode, source and segments") 
 
     auto jogging = in_speed;
     jogging.inputs = terminal::jog_forward;
-    const refusal running = commands::refusal_of(velocity{}, jogging);
+    const refusal running = commands::refusal_of(motor_velocity{}, jogging);
     REQUIRE(running.unmet() != nullptr);
     CHECK(running.unmet()->is_flag);
     CHECK(running.unmet()->address == virtual_input_levels.address);
@@ -146,7 +146,7 @@ TEST_CASE("why: a C630S's command names its states, mode, source and segments") 
 
     auto by_itself = in_speed;
     by_itself.runs_speed_segments = true;
-    CHECK(commands::refusal_of(velocity{}, by_itself).unmet()->address == 0x0602);
+    CHECK(commands::refusal_of(motor_velocity{}, by_itself).unmet()->address == 0x0602);
     auto slow = in_speed;
     slow.max_forward = 3000;
     slow.max_reverse = 2000;
@@ -179,7 +179,7 @@ TEST_CASE("why: a YAKO's command names the register that the program must set fi
 
     // The drive is asked for its state before anything else is sent; the program knows it from the last time.
     cached_settings off{.state = disabled, .has_scale = true, .has_profile = true};
-    CHECK(move_by{10 * pulse}.prepare(off).refusal == errc::ok);
+    CHECK(commands::prepared(move_by{10 * pulse}, off).refusal == errc::ok);
     CHECK(commands::refusal_of(move_by{10 * pulse}, off).error == errc::wrong_state);
     CHECK(commands::refusal_of(move_by{10 * pulse}, off).states == set_of({enabled}));
     off.state = enabled;
@@ -224,7 +224,8 @@ TEST_CASE("why: a drive of one's own, whose settings are a state alone") {
     const refusal r = commands::refusal_of(winch::turn{601 * winch::r_per_min}, known);
     CHECK(r.argument.address == winch::speed.address);
     CHECK(r.argument.limits == winch::speed.limits);
-    CHECK(commands::refusal_of(winch::move_to{2'000'000 * winch::pulse}, known).argument.count == 2'000'000);
+    CHECK(commands::refusal_of(servobus::move_to{2'000'000 * winch::pulse}, known).argument.count ==
+          2'000'000);
     const refusal s = commands::refusal_of(enable{}, known);
     CHECK(s.states == set_of({disabled}));
     CHECK(s.size == 0);
@@ -234,7 +235,7 @@ TEST_CASE("why: a drive of one's own, whose settings are a state alone") {
 TEST_CASE("why: asked of a facade after it has refused, in words of the catalogue") {
     using namespace zlac8015d;
     simulated::driven_zlac8015d r{};
-    CHECK(why(r.drive, velocity{}).error == errc::needs_init);
+    CHECK(why(r.drive, wheel_velocities{}).error == errc::needs_init);
     REQUIRE(r.drive.run(init{}));
     const velocity fast{1 * r_per_min, 2000 * r_per_min};
     CHECK(r.drive.begin(fast) == errc::wrong_state);
@@ -254,8 +255,8 @@ TEST_CASE("why: asked of a facade after it has refused, in words of the catalogu
     CHECK(r.drive.is_idle());
     // Another command is under way: the facade's own reason.
     REQUIRE(r.drive.begin(ramps{10 * millisecond, 10 * millisecond}) == errc::ok);
-    CHECK(r.drive.begin(velocity{}) == errc::busy);
-    CHECK(why(r.drive, velocity{}).error == errc::ok);
+    CHECK(r.drive.begin(wheel_velocities{}) == errc::busy);
+    CHECK(why(r.drive, wheel_velocities{}).error == errc::ok);
 }
 
 TEST_CASE("why: a YAKO that is not enabled refuses a motion after it was asked, and why has the state") {
@@ -284,8 +285,8 @@ TEST_CASE("why: after a fault the state is faulted") {
     (void)r.drive.read();
     (void)r.drive.run(disable{});
     REQUIRE(r.drive.state() == faulted);
-    CHECK(r.drive.begin(velocity{}) == errc::faulted);
-    const refusal said = why(r.drive, velocity{});
+    CHECK(r.drive.begin(wheel_velocities{}) == errc::faulted);
+    const refusal said = why(r.drive, wheel_velocities{});
     CHECK(said.error == errc::faulted);
     CHECK(said.is_of_state());
     CHECK(said.state == faulted);

@@ -60,13 +60,13 @@ TEST_CASE("why a command of a belt was refused") {
     } r;
     REQUIRE(r.belts.run(init{}));
     REQUIRE(r.belts.run(enable{})); // velocity mode
-    CHECK(r.belts.left().begin(travel_by{1_mm}) == errc::wrong_state);
-    const refusal found = why(r.belts.left(), travel_by{1_mm});
+    CHECK(r.belts.left().begin(move_by{1_mm}) == errc::wrong_state);
+    const refusal found = why(r.belts.left(), move_by{1_mm});
     CHECK(found.error == errc::wrong_state);
     REQUIRE(found.unmet() != nullptr);
     CHECK(found.unmet()->address == zlac8015d::mode_of_operation.address);
     CHECK(found.unmet()->has(static_cast<unsigned>(zlac8015d::operating_mode::relative_position)));
-    CHECK(why(r.belts.right(), travel_at{1_um_per_s}).error == errc::out_of_range);
+    CHECK(why(r.belts.right(), velocity{1_um_per_s}).error == errc::out_of_range);
 }
 
 TEST_CASE("why a place or limits were refused") {
@@ -75,14 +75,14 @@ TEST_CASE("why a place or limits were refused") {
     } r;
     REQUIRE(r.lift.run(init{}));
     REQUIRE(r.lift.run(disable{}));
-    CHECK(r.lift.run(travel_at{1_mm_per_s}).error() == errc::wrong_state);
-    const refusal found = why(r.lift, travel_at{1_mm_per_s});
+    CHECK(r.lift.run(velocity{1_mm_per_s}).error() == errc::wrong_state);
+    const refusal found = why(r.lift, velocity{1_mm_per_s});
     CHECK(found.error == errc::wrong_state);
     CHECK(found.states == enabled);
-    CHECK(why(r.lift, travel_limits{.lowest = 2_mm, .highest = 1_mm}).error == errc::bad_argument);
+    CHECK(why(r.lift, limit_travel{2_mm, 1_mm}).error == errc::bad_argument);
     REQUIRE(r.lift.run(enable{}));
-    CHECK(why(r.lift, travel_at{2147_m_per_s}).error == errc::out_of_range);
-    CHECK(r.lift.begin(travel_to{1_mm}) == why(r.lift, travel_to{1_mm}).error);
+    CHECK(why(r.lift, velocity{2147_m_per_s}).error == errc::out_of_range);
+    CHECK(r.lift.begin(move_to{1_mm}) == why(r.lift, move_to{1_mm}).error);
 
     struct : simulated::driven_c630s {
         c630s::axis_drive<line_type> press{line, 1, ram};
@@ -90,7 +90,7 @@ TEST_CASE("why a place or limits were refused") {
     constexpr c630s::axis_segment down{1, 75_mm, 50_mm_per_s, 100_ms};
     CHECK(c.press.begin(down) == errc::needs_init);
     CHECK(why(c.press, down).error == errc::needs_init);
-    CHECK(why(c.press, travel_to{1_mm}).error != errc::ok);
+    CHECK(why(c.press, move_to{1_mm}).error != errc::ok);
 }
 
 } // namespace why_machine_units_tests

@@ -213,7 +213,7 @@ TEST_CASE("YAKO: terminals, limits and communication") {
                     rule::that(0x004C + number(out), errc::out_of_range, o <= 5 || (o >= 9 && o <= 11))});
         const distance up = b.place();
         const distance down = b.pick.one_in(2) ? b.place() : distance{up.count() / 2};
-        b.of.judge(limit_travel{up, down}, b.known,
+        b.of.judge(limit_travel{down, up}, b.known,
                    {rule::that(0x0037, errc::bad_argument, up.count() > down.count()),
                     bench::way_rule(0x0037, up), bench::way_rule(0x0039, down)});
         const auto trigger = b.pick.code<pv_trigger>(0, 1);

@@ -252,12 +252,12 @@ TEST_CASE("G3: a facade does not take an echo for its drive") {
         sim::virtual_line wire{settings};
         line on{wire, modbus::timing_at(115200)};
         zlac8015d::drive wheels{on, node<zlac8015d::device>{1}, unsupervised};
-        CHECK_FALSE(wheels.run(zlac8015d::init{}));
-        CHECK_FALSE(wheels.run(zlac8015d::quick_stop{}));
+        CHECK_FALSE(wheels.run(init{}));
+        CHECK_FALSE(wheels.run(quick_stop{}));
         yako::closed_loop::drive axis{on, node<yako::closed_loop::device>{1}};
-        CHECK_FALSE(axis.run(yako::init{}));
+        CHECK_FALSE(axis.run(init{}));
         c630s::drive servo{on, node<c630s::device>{1}};
-        CHECK_FALSE(servo.run(c630s::init{}));
+        CHECK_FALSE(servo.run(init{}));
     }
 }
 
@@ -353,12 +353,12 @@ TEST_CASE(
     line on{wire, modbus::timing_at(115200)};
     zlac8015d::drive wheels{on, node<zlac8015d::device>{1}, unsupervised};
     client registers{on, node<zlac8015d::device>{1}};
-    REQUIRE(wheels.run(zlac8015d::init{}));
-    REQUIRE(wheels.run(zlac8015d::enable{}));
-    REQUIRE(wheels.run(zlac8015d::velocity{30 * units::r_per_min, 30 * units::r_per_min}));
+    REQUIRE(wheels.run(init{}));
+    REQUIRE(wheels.run(enable{}));
+    REQUIRE(wheels.run(velocity{30 * units::r_per_min, 30 * units::r_per_min}));
     CHECK(wire.returned() == 0);
     wire.set_connected(0, false);
-    CHECK_FALSE(wheels.run(zlac8015d::quick_stop{}));
+    CHECK_FALSE(wheels.run(quick_stop{}));
     CHECK(registers.write<zlac8015d::control_word>(zlac8015d::control_code::stop).error() == errc::own_echo);
     CHECK_FALSE(wheels.run(zlac8015d::left_velocity{0 * units::r_per_min}));
     CHECK_FALSE(wheels.run(halt{}));
@@ -367,7 +367,7 @@ TEST_CASE(
     CHECK_FALSE(wheels.run(disable{}));
     CHECK(wire.returned() > 8);
     wire.set_connected(0, true);
-    CHECK(wheels.run(zlac8015d::init{}));
+    CHECK(wheels.run(init{}));
     CHECK(registers.write<zlac8015d::control_word>(zlac8015d::control_code::stop));
 }
 

@@ -182,13 +182,13 @@ TEST_CASE("G15, G33: a move under a bus is sent once, at whichever byte of its s
                 CAPTURE(at_byte);
                 tests::wheels_and_lift machine;
                 tests::wheels_and_lift_program p{machine.wire};
-                REQUIRE(p.command(p.wheels, zlac8015d::init{}));
-                REQUIRE(p.command(p.lift, yako::init{}));
-                REQUIRE(p.command(p.lift, yako::enable{}));
+                REQUIRE(p.command(p.wheels, init{}));
+                REQUIRE(p.command(p.lift, init{}));
+                REQUIRE(p.command(p.lift, enable{}));
                 start_counter counter;
                 machine.wire.set_hook(&start_counter::note, &counter);
                 const std::int64_t before = machine.lift_model.view().commanded;
-                REQUIRE(p.lift.begin(yako::move_by{5000 * pulse}) == errc::ok);
+                REQUIRE(p.lift.begin(move_by{5000 * pulse}) == errc::ok);
                 while (!counter.is_control_word() || counter.last.size() < (at_byte < 8 ? at_byte : 8))
                     p.turn();
                 for (std::uint32_t i = 0; i < turns + at_byte / 9; ++i) p.turn();
@@ -209,25 +209,25 @@ TEST_CASE("G21: a start without a response that a stop cuts short leaves the dri
         CAPTURE(is_heard);
         tests::wheels_and_lift machine;
         tests::wheels_and_lift_program p{machine.wire};
-        REQUIRE(p.command(p.wheels, zlac8015d::init{}));
-        REQUIRE(p.command(p.lift, yako::init{}));
-        REQUIRE(p.command(p.lift, yako::enable{}));
+        REQUIRE(p.command(p.wheels, init{}));
+        REQUIRE(p.command(p.lift, init{}));
+        REQUIRE(p.command(p.lift, enable{}));
         start_counter counter;
         machine.wire.set_hook(&start_counter::note, &counter);
-        REQUIRE(p.lift.begin(yako::move_by{5000 * pulse}) == errc::ok);
+        REQUIRE(p.lift.begin(move_by{5000 * pulse}) == errc::ok);
         while (!counter.is_control_word()) p.turn();
         if (!is_heard) { // it restarts while the start leaves, and responds again to the stop
             machine.wire.set_connected(1, false);
             machine.lift_model.power_cycle();
         }
-        REQUIRE(p.lift.begin(yako::disable{}) == errc::ok);
+        REQUIRE(p.lift.begin(disable{}) == errc::ok);
         p.run(40); // the start's response is overdue by then
         machine.wire.set_connected(1, true);
         while (!p.lift.is_idle()) p.turn();
         CHECK(p.lift.last());
         p.run(2000);
         CHECK((p.lift.state() == yako::drive_state::needs_init) == !is_heard);
-        CHECK((p.lift.begin(yako::enable{}) == errc::ok) == is_heard);
+        CHECK((p.lift.begin(enable{}) == errc::ok) == is_heard);
     }
 }
 

@@ -67,12 +67,12 @@ TEST_CASE("literals are where a program would write them") {
     zlac8015d::cached_settings known{.state = drive_state::enabled,
                                      .mode = zlac8015d::operating_mode::velocity};
     known.max_speed = 1000;
-    const auto c = zlac8015d::velocity{30_r_per_min, -30_r_per_min}.prepare(known);
+    const auto c = commands::prepared(velocity{30_r_per_min, -30_r_per_min}, known);
     CHECK(c.refusal == errc::ok);
     CHECK(c.arguments[0] == 30);
     CHECK(static_cast<std::int16_t>(c.arguments[1]) == -30);
-    CHECK(zlac8015d::velocity{12.5_r_per_min, 0_r_per_min}.prepare(known).refusal == errc::inexact);
-    CHECK(yako::move_by{500_pulse}.way == 500 * units::pulse);
+    CHECK(commands::prepared(velocity{12.5_r_per_min, 0_r_per_min}, known).refusal == errc::inexact);
+    CHECK(move_by{500_pulse}.way == 500 * units::pulse);
 }
 
 TEST_CASE("a time of a command is a quantity or a duration, a limit likewise") {

@@ -217,7 +217,7 @@ TEST_CASE("before the first request only the present counts, and after the last 
     CHECK_FALSE(t.was_energised());
     CHECK(t.run(servobus::enable{}));
     CHECK(t.was_energised());
-    CHECK(t.run(winch::move_to{4000 * units::pulse}));
+    CHECK(t.run(servobus::move_to{4000 * units::pulse}));
     CHECK(t.run(wait_reached{}));
     t.watch();
     CHECK(t.was_at(4000));

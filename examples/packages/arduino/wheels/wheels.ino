@@ -27,10 +27,10 @@ constexpr uint32_t period = 100; // ms from one command to the next: below the c
 
 command_status begin(commands next) {
     switch (next) {
-    case commands::init: return wheels.begin(zlac::init{});
-    case commands::enable: return wheels.begin(zlac::enable{});
-    case commands::turn: return wheels.begin(zlac::velocity{30 * r_per_min, -30 * r_per_min});
-    case commands::disable: return wheels.begin(zlac::disable{});
+    case commands::init: return wheels.begin(servobus::init{});
+    case commands::enable: return wheels.begin(servobus::enable{});
+    case commands::turn: return wheels.begin(servobus::velocity{30 * r_per_min, -30 * r_per_min});
+    case commands::disable: return wheels.begin(servobus::disable{});
     }
     return errc::bad_argument;
 }

@@ -4,7 +4,7 @@
 // Coolmay C630S: the arguments of each command with the register that takes them and their limits. Programs that ask
 // `why` a command was refused include it; no other header does.
 //
-//     constexpr c630s::velocity fast{5500 * r_per_min};
+//     constexpr velocity fast{5500 * r_per_min};
 //     const refusal r = why(servo, fast); // after `begin` or `run` has refused it
 //     if (r.is_of_value() && r.argument.limited_by == c630s::max_forward_speed.address)
 //         std::printf("P06-08 allows %ld r/min\n", long(r.argument.limits.high));
@@ -76,11 +76,11 @@ constexpr auto arguments(const run_speed_segments& c, const cached_settings&) {
     return argument_list{commands::argument<speed_segment_mode>(c.run),
                          commands::checked_index(c.from, 1, 16), commands::checked_index(c.last, 1, 16)};
 }
-constexpr auto arguments(const velocity& c, const cached_settings& known) {
+constexpr auto arguments(const motor_velocity& c, const cached_settings& known) {
     return argument_list{detail::in_top_speeds(commands::argument<target_speed>(c.target), known)};
 }
-constexpr auto arguments(const hold& c, const cached_settings& known) {
-    return arguments(velocity{c.target()}, known);
+constexpr auto arguments(const held_velocity& c, const cached_settings& known) {
+    return arguments(motor_velocity{c.target}, known);
 }
 constexpr auto arguments(const torque& c, const cached_settings& known) {
     const command_argument target = commands::argument<target_torque>(c.target);

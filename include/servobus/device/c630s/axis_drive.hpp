@@ -50,7 +50,7 @@ class axis_model : public model {
   public:
     using prepared_command = axis_command;
 
-    /// The segment of `travel_to` and `travel_by`.
+    /// The segment of `move_to` and `move_by`.
     static constexpr segment_number own_segment{16};
 
     constexpr axis_place& place() { return place_; }
@@ -172,13 +172,13 @@ constexpr axis_command move_on_axis(const result<std::int32_t>& counts, const ax
 /// To a place from the drive's home: sets segment 16 and starts it. Both ramps take the same time, and a motor has no
 /// speed at which it begins. Errors: as `segment` and `start_segment`; `wrong_state` where segments are ways;
 /// `bad_argument` without a profile, or with another one; `out_of_range`.
-constexpr axis_command plan_on_axis(const travel_to& wanted, const axis_place& at,
+constexpr axis_command plan_on_axis(const axis_move_to& wanted, const axis_place& at,
                                     const cached_settings& known) {
     return detail::move_on_axis(at.geometry().counts_of(wanted.place), wanted.by, displacement_type::absolute,
                                 at, known);
 }
-/// As `travel_to`, where segments are ways.
-constexpr axis_command plan_on_axis(const travel_by& wanted, const axis_place& at,
+/// As `move_to`, where segments are ways.
+constexpr axis_command plan_on_axis(const axis_move_by& wanted, const axis_place& at,
                                     const cached_settings& known) {
     std::int32_t rest = 0;
     const result<std::int32_t> counts = at.plan(wanted.way, rest);
@@ -188,10 +188,10 @@ constexpr axis_command plan_on_axis(const travel_by& wanted, const axis_place& a
     return c;
 }
 /// In speed mode, in whole r/min of the motor. Errors: as `velocity`; `out_of_range`.
-constexpr axis_command plan_on_axis(const travel_at& wanted, const axis_place& at,
+constexpr axis_command plan_on_axis(const axis_velocity& wanted, const axis_place& at,
                                     const cached_settings& known) {
-    const auto to = detail::speed_on(at.geometry(), wanted.speed);
-    axis_command c = velocity{speed{to.value}}.prepare(known);
+    const auto to = detail::speed_on(at.geometry(), wanted.target);
+    axis_command c = prepare(motor_velocity{speed{to.value}}, known);
     c.refusal = detail::first_error(to.error, c.refusal);
     return c;
 }

@@ -5,14 +5,15 @@
 // stop, reset, speed and torque, read feedback. Those that move to positions are in moves.hpp.
 // servobus/device/c630s.hpp includes it. Source: manual V24.111, chapters 5 to 9.
 //
-//     if (!servo.run(c630s::init{}) || !servo.run(c630s::enable_in{c630s::control_mode::torque})) return 1;
+//     if (!servo.run(init{}) || !servo.run(c630s::enable_in{c630s::control_mode::torque})) return 1;
 //     if (!servo.run(c630s::torque{50 * percent})) return 1; // of the rated torque, also if the line is lost
-//     if (!servo.run(c630s::halt{})) return 1;               // the target is 0, the motor stays energised
-//     if (!servo.run(c630s::disable{})) return 1;
+//     if (!servo.run(halt{})) return 1;               // the target is 0, the motor stays energised
+//     if (!servo.run(disable{})) return 1;
 #pragma once
 
 #include <cstdint>
 
+#include <servobus/control/motion_commands.hpp>
 #include <servobus/device/c630s/prepared_command.hpp>
 
 namespace servobus::c630s {
@@ -210,23 +211,41 @@ constexpr prepared_command prepare(fault_reset, const cached_settings& cached) {
     return o;
 }
 
+using servobus::hold, servobus::runs_on_without_line, servobus::velocity;
+
+/// `velocity{speed}` and `hold{speed, runs_on_without_line{}}` in whole r/min.
+using motor_velocity = velocity<speed>;
+using held_velocity = hold<speed, runs_on_without_line>;
+
+/// A speed in any unit of a turning motor. A constant that is no whole number of r/min does not compile.
+template <unit U, class Rep>
+[[gnu::always_inline]] constexpr motor_velocity in_units_of(const velocity<quantity<U, Rep>>& wanted,
+                                                            const cached_settings*) {
+    return {commands::exactly<speed>(wanted.target)};
+}
+template <unit U, class Rep>
+[[gnu::always_inline]] constexpr held_velocity
+in_units_of(const hold<quantity<U, Rep>, runs_on_without_line>& wanted, const cached_settings*) {
+    return {commands::exactly<speed>(wanted.target), {}};
+}
+template <unit U, class Rep>
+constexpr held_velocity in_units_of(const hold<quantity<U, Rep>>&, const cached_settings*) {
+    static_assert(sizeof(Rep) == 0,
+                  "this motor turns on when the line is lost: hold{speed, runs_on_without_line{}}");
+    return {};
+}
+
 /// Speed mode: the target, P06-03, whole r/min; the ramps are `ramps`. Beyond P06-07 to P06-09 it is refused.
 /// **The drive has no watchdog**: it keeps its speed when the line is lost.
-struct velocity {
-    speed target;
-
-    constexpr prepared_command prepare(const cached_settings& cached) const {
-        const auto c = detail::count_in<target_speed>(target);
-        return {.steps = routines::velocity,
-                .arguments = {cached.inputs, detail::as_word(c.count)},
-                .then = effect::driven,
-                .refusal = detail::first_error(detail::needs_mode(cached, control_mode::speed), c.error,
-                                               cached.is_jogging() ? errc::wrong_state : errc::ok,
-                                               detail::within_top_speeds(c.count, cached))};
-    }
-};
-
-using servobus::runs_on_without_line;
+constexpr prepared_command prepare(const motor_velocity& wanted, const cached_settings& cached) {
+    const auto c = detail::count_in<target_speed>(wanted.target);
+    return {.steps = routines::velocity,
+            .arguments = {cached.inputs, detail::as_word(c.count)},
+            .then = effect::driven,
+            .refusal = detail::first_error(detail::needs_mode(cached, control_mode::speed), c.error,
+                                           cached.is_jogging() ? errc::wrong_state : errc::ok,
+                                           detail::within_top_speeds(c.count, cached))};
+}
 
 /// Speed mode: turns at a speed for as long as the program repeats the command; `halt` ends it. As `velocity`, but for
 /// what ends it:
@@ -238,24 +257,9 @@ using servobus::runs_on_without_line;
 /// - The drive restarts: its motor has no power, and the state is `needs_init`.
 /// Another speed, also of another sign, holds from then on, by `ramps`. Errors: as `velocity`; `bad_argument` without a
 /// command timeout: state one for the facade, whose default is none.
-class hold {
-  public:
-    static constexpr bool needs_command_timeout = true;
-
-    constexpr hold(speed target, runs_on_without_line) : target_{target} {}
-    template <bool IsNamed = false> constexpr explicit hold(speed) {
-        static_assert(IsNamed,
-                      "this motor turns on when the line is lost: hold{speed, runs_on_without_line{}}");
-    }
-
-    constexpr speed target() const { return target_; }
-    constexpr prepared_command prepare(const cached_settings& cached) const {
-        return velocity{target_}.prepare(cached);
-    }
-
-  private:
-    speed target_{};
-};
+constexpr prepared_command prepare(const held_velocity& wanted, const cached_settings& cached) {
+    return prepare(motor_velocity{wanted.target}, cached);
+}
 
 /// Torque mode: the target, P07-03, in 0.1 % of the rated torque, within P07-09 and P07-10. What bounds the
 /// speed is `torque_speed_limits`; the factory's are 3000 r/min. No watchdog here either.

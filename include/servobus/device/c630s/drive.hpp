@@ -6,7 +6,7 @@
 // them when they may have changed; it is not a safety function. servobus/device/c630s.hpp includes it.
 //
 //     c630s::drive servo{wire, 1};
-//     if (!servo.run(c630s::init{})) return 1;
+//     if (!servo.run(init{})) return 1;
 //     if (servo.state() == c630s::drive_state::needs_set_up && !servo.run(c630s::set_up{})) return 1;
 //     if (servo.needs_power_cycle()) std::puts("switch the drive off and on");
 //     const result<std::int64_t> place = servo.read(c630s::wide_position::mechanical); // encoder counts

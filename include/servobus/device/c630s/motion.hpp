@@ -4,7 +4,7 @@
 // Coolmay C630S: the move under way: where it is to end, how it has ended, and whether one began whose start
 // got no response. c630s/model.hpp includes it; programs get an `arrival` from a drive.
 //
-//     const c630s::arrival there = servo.run(c630s::start_segment{3}, c630s::wait_reached{});
+//     const c630s::arrival there = servo.run(c630s::start_segment{3}, wait_reached{});
 //     if (there.how == arrival_state::stopped_short && there.cause == stop_cause::blocked)
 //         std::printf("pressed %ld units before its target\n", long{there.missing.count()});
 #pragma once

@@ -4,7 +4,7 @@
 // YAKOTEC Modbus steppers: the arguments of each command with the register that takes them and their limits. Programs
 // that ask `why` a command was refused include it; no other header does.
 //
-//     constexpr yako::velocity slow{5 * r_per_min};
+//     constexpr velocity slow{5 * r_per_min};
 //     const refusal r = why(axis, slow); // after `begin` or `run` has refused it
 //     if (r.is_of_state() && r.unmet() != nullptr)
 //         std::printf("set %04Xh first\n", unsigned{r.unmet()->address});
@@ -67,26 +67,26 @@ constexpr command_argument top_argument(const motion_profile& p, const cached_se
 
 // Commands of motion
 
-constexpr auto arguments(const move_by& c, const cached_settings& known) {
+constexpr auto arguments(const relative_move& c, const cached_settings& known) {
     return argument_list{detail::way_argument<target_position>(c.way), detail::start_argument(c.by, known),
                          commands::argument<acceleration_time>(c.by.acceleration()),
                          commands::argument<deceleration_time>(c.by.deceleration()),
                          detail::top_argument(c.by, known)};
 }
-constexpr auto arguments(const move_to& c, const cached_settings& known) {
-    return arguments(move_by{c.place, c.by}, known);
+constexpr auto arguments(const absolute_move& c, const cached_settings& known) {
+    return arguments(relative_move{c.place, c.by}, known);
 }
 constexpr auto arguments(const bounded_jog& c, const cached_settings& known) {
-    return arguments(move_by{c.way, c.by}, known);
+    return arguments(relative_move{c.way, c.by}, known);
 }
-constexpr auto arguments(const hold& c, const cached_settings& known) {
+constexpr auto arguments(const held_velocity& c, const cached_settings& known) {
     const speed top = c.target.count() < 0 ? -c.target : c.target;
     const command_argument to = detail::speed_argument<closed_loop::positioning_speed>(top, known);
     return argument_list{commands::argument<acceleration_time>(c.acceleration),
                          commands::argument<deceleration_time>(c.deceleration), to.only_if(top.count() != 0),
-                         commands::number(c.every.us, hold::shortest.us, hold::longest.us)};
+                         commands::number(c.every.us, shortest_hold.us, longest_hold.us)};
 }
-constexpr auto arguments(const velocity& c, const cached_settings& known) {
+constexpr auto arguments(const jog_velocity& c, const cached_settings& known) {
     const command_argument to = detail::speed_argument<closed_loop::jog_speed>(c.target, known);
     return argument_list{to.only_if(c.target.count() != 0),
                          commands::argument<jog_acceleration_time>(c.acceleration),
@@ -99,14 +99,14 @@ template <class Device> constexpr auto arguments(const basic_home<Device>& c, co
                          commands::argument<homing_offset_mode>(c.then),
                          method.only_if(c.by.error() == errc::ok)};
 }
-constexpr auto arguments(const declare_position& c, const cached_settings&) {
+constexpr auto arguments(const position_declaration& c, const cached_settings&) {
     return argument_list{detail::way_argument<home_offset>(c.place)};
 }
 
 // Profiles and segments
 
 constexpr auto arguments(const set_profile& c, const cached_settings& known) {
-    return arguments(move_by{distance{}, c.to}, known);
+    return arguments(relative_move{distance{}, c.to}, known);
 }
 constexpr auto arguments(const set_homing_profile& c, const cached_settings& known) {
     return argument_list{detail::speed_argument<closed_loop::homing_fast_speed>(c.fast, known),
@@ -135,7 +135,7 @@ constexpr auto arguments(const set_pv_trigger& c, const cached_settings&) {
     return argument_list{commands::argument<pv_trigger_mode>(c.by)};
 }
 constexpr auto arguments(const set_input_move& c, const cached_settings& known) {
-    const auto move = arguments(move_by{c.target, c.by}, known);
+    const auto move = arguments(relative_move{c.target, c.by}, known);
     return argument_list{move.items[0], move.items[1], move.items[2],
                          move.items[3], move.items[4], commands::argument<io_positioning>(c.from)};
 }
@@ -155,14 +155,14 @@ constexpr auto arguments(const set_output& c, const cached_settings& known) {
     function.address = function.limited_by = static_cast<std::uint16_t>(y0_function.address + terminal);
     return argument_list{commands::index(terminal, 0, known.is_closed_loop ? 1 : 2), function};
 }
-/// The positive limit must lie above the negative one.
-constexpr auto arguments(const limit_travel& c, const cached_settings&) {
-    const std::int64_t above = std::int64_t{c.negative.count()} + 1;
-    const command_argument order = commands::argument<positive_software_limit>(c.positive);
+/// The highest place must lie above the lowest one.
+constexpr auto arguments(const travel_bounds& c, const cached_settings&) {
+    const std::int64_t above = std::int64_t{c.lowest.count()} + 1;
+    const command_argument order = commands::argument<positive_software_limit>(c.highest);
     return argument_list{
         order.within<negative_software_limit>(above, 0x7FFF'FFFE).refused_as(errc::bad_argument),
-        detail::way_argument<positive_software_limit>(c.positive),
-        detail::way_argument<negative_software_limit>(c.negative)};
+        detail::way_argument<positive_software_limit>(c.highest),
+        detail::way_argument<negative_software_limit>(c.lowest)};
 }
 constexpr auto arguments(const set_over_travel_stop& c, const cached_settings&) {
     return argument_list{commands::argument<over_travel_stop_mode>(c.by)};

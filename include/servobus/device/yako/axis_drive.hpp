@@ -8,7 +8,7 @@
 //     yako::closed_loop::axis_drive lift{wire, 2, screw};
 //     if (!lift.run(init{}) || !lift.run(enable{})) return 1;
 //     if (!lift.run(yako::closed_loop::home{yako::homing::home_24})) return 1;
-//     if (lift.run(travel_to{125.5_mm}, wait_reached{}).how != arrival_state::reached) return 1;
+//     if (!lift.run(move_to{125.5_mm}, wait_reached{})) return 1;
 #pragma once
 
 #include <cstdint>
@@ -93,56 +93,59 @@ constexpr rounded_profile profile_on(const axis& on, const axis_profile& by, con
 }
 } // namespace detail
 
-/// To a place from the drive's home. Errors: as `yako::move_to`; `out_of_range`.
-constexpr axis_command plan_on_axis(const travel_to& wanted, const axis_place& at,
+/// To a place from the drive's home. Errors: as of a move in pulses; `out_of_range`.
+constexpr axis_command plan_on_axis(const axis_move_to& wanted, const axis_place& at,
                                     const cached_settings& known) {
     const axis& on = at.geometry();
     const result<std::int32_t> counts = on.counts_of(wanted.place);
     const auto by = detail::profile_on(on, wanted.by, known);
-    axis_command c = move_to{distance{counts.value_or(0)}, by.value}.prepare(known);
+    axis_command c = prepare(absolute_move{distance{counts.value_or(0)}, by.value}, known);
     c.refusal = detail::first_error(c.refusal, counts.error(), by.error);
     return c;
 }
-/// Errors: as `yako::move_by`; `out_of_range`.
-constexpr axis_command plan_on_axis(const travel_by& wanted, const axis_place& at,
+/// Errors: as of a move in pulses; `out_of_range`.
+constexpr axis_command plan_on_axis(const axis_move_by& wanted, const axis_place& at,
                                     const cached_settings& known) {
     std::int32_t rest = 0;
     const result<std::int32_t> counts = at.plan(wanted.way, rest);
     const auto by = detail::profile_on(at.geometry(), wanted.by, known);
-    axis_command c = move_by{distance{counts.value_or(0)}, by.value}.prepare(known);
+    axis_command c = prepare(relative_move{distance{counts.value_or(0)}, by.value}, known);
     c.refusal = detail::first_error(c.refusal, counts.error(), by.error);
     c.rest = rest;
     c.carries = true;
     return c;
 }
-/// Errors: as `yako::velocity`; `out_of_range`.
-constexpr axis_command plan_on_axis(const travel_at& wanted, const axis_place& at,
+/// Errors: as in r/min; `out_of_range`.
+constexpr axis_command plan_on_axis(const axis_velocity& wanted, const axis_place& at,
                                     const cached_settings& known) {
     // A speed that has no count is 0 here, which the drive's own command refuses.
-    return velocity{detail::speed_on(at.geometry(), wanted.speed, known).value}.prepare(known);
+    return commands::prepared(velocity<speed>{detail::speed_on(at.geometry(), wanted.target, known).value},
+                              known);
 }
-/// A button that is held. Errors: as `yako::hold`; `out_of_range`.
-constexpr axis_command plan_on_axis(const servobus::hold_at& wanted, const axis_place& at,
+/// A button that is held. Errors: as in r/min; `out_of_range`.
+constexpr axis_command plan_on_axis(const axis_hold& wanted, const axis_place& at,
                                     const cached_settings& known) {
     // Likewise.
-    return hold{detail::speed_on(at.geometry(), wanted.speed, known).value, wanted.every}.prepare(known);
+    return commands::prepared(
+        hold<speed, duration>{detail::speed_on(at.geometry(), wanted.target, known).value, wanted.every},
+        known);
 }
-/// A mirrored axis has its lowest place where the drive counts highest. Errors: as `yako::limit_travel`;
+/// A mirrored axis has its lowest place where the drive counts highest. Errors: as in pulses;
 /// `out_of_range`.
-constexpr axis_command plan_on_axis(const travel_limits& wanted, const axis_place& at,
+constexpr axis_command plan_on_axis(const limit_travel<micrometres>& wanted, const axis_place& at,
                                     const cached_settings& known) {
     const axis& on = at.geometry();
     const result<std::int32_t> low = on.counts_of(on.is_mirrored() ? wanted.highest : wanted.lowest);
     const result<std::int32_t> high = on.counts_of(on.is_mirrored() ? wanted.lowest : wanted.highest);
-    axis_command c = limit_travel{distance{high.value_or(0)}, distance{low.value_or(0)}}.prepare(known);
+    axis_command c = prepare(travel_bounds{distance{low.value_or(0)}, distance{high.value_or(0)}}, known);
     c.refusal = detail::first_error(low.error(), high.error(), c.refusal);
     return c;
 }
-/// Errors: as `yako::declare_position`; `out_of_range`.
-constexpr axis_command plan_on_axis(const declare_place& wanted, const axis_place& at,
+/// Errors: as in pulses; `out_of_range`.
+constexpr axis_command plan_on_axis(const declare_position<micrometres>& wanted, const axis_place& at,
                                     const cached_settings& known) {
     const result<std::int32_t> counts = at.geometry().counts_of(wanted.place);
-    axis_command c = declare_position{distance{counts.value_or(0)}}.prepare(known);
+    axis_command c = prepare(position_declaration{distance{counts.value_or(0)}}, known);
     c.refusal = detail::first_error(c.refusal, counts.error());
     return c;
 }

@@ -7,7 +7,7 @@
 // yako/drive.hpp includes it; code for both variants takes a `basic_drive`:
 //
 //     template <class Device, class Line> bool advance(yako::basic_drive<Device, Line>& axis) {
-//         const yako::arrival there = axis.run(yako::move_by{5000 * pulse}, yako::wait_reached{});
+//         const yako::arrival there = axis.run(move_by{5000 * pulse}, wait_reached{});
 //         return there.how == arrival_state::reached;
 //     }
 #pragma once

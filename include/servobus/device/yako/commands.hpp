@@ -6,16 +6,18 @@
 // chapter 4 and section 5.1. What a command requires of the drive's state is read from the drive before
 // anything else is sent; if it is refused then, only reads were sent.
 //
-//     if (!axis.run(yako::init{}) || !axis.run(yako::enable{})) return 1;
+//     if (!axis.run(init{}) || !axis.run(enable{})) return 1;
 //     if (!axis.run(yako::closed_loop::home{yako::homing::home_24, 200 * pulse})) return 1;
 //     constexpr yako::motion_profile slow{0 * r_per_min, 90 * millisecond, 90 * millisecond, 60 * r_per_min};
-//     const yako::arrival there = axis.run(yako::move_to{5000 * pulse, slow}, wait_reached{});
+//     const yako::arrival there = axis.run(move_to{5000 * pulse, slow}, wait_reached{});
 //     if (there.how != arrival_state::reached) return 1;
 #pragma once
 
+#include <concepts>
 #include <cstddef>
 #include <cstdint>
 
+#include <servobus/control/motion_commands.hpp>
 #include <servobus/device/yako/prepared_command.hpp>
 
 namespace servobus::yako {
@@ -144,6 +146,59 @@ constexpr prepared_command move(distance target, const motion_profile& by, while
 }
 } // namespace detail
 
+} // namespace servobus::yako
+
+namespace servobus {
+/// A move of a YAKO by a profile, which may be written in braces.
+template <unit U, class Rep>
+requires(detail::same_kind(U, units::pulse))
+    move_by(quantity<U, Rep>, yako::motion_profile, yako::while_moving = yako::while_moving::ignore)
+->move_by<detail::kept<quantity<U, Rep>>, yako::motion_profile, yako::while_moving>;
+template <unit U, class Rep>
+requires(detail::same_kind(U, units::pulse))
+    move_to(quantity<U, Rep>, yako::motion_profile, yako::while_moving = yako::while_moving::ignore)
+->move_to<detail::kept<quantity<U, Rep>>, yako::motion_profile, yako::while_moving>;
+} // namespace servobus
+
+namespace servobus::yako {
+
+using servobus::declare_position, servobus::hold, servobus::move_by, servobus::move_to, servobus::velocity;
+
+/// The commands of motion in the units of the drive: `move_to{place}`, `move_to{place, profile}`,
+/// `move_to{place, profile, while_moving::interrupt}`. `in_units_of` makes them of the shorter forms.
+using relative_move = move_by<distance, motion_profile, while_moving>;
+using absolute_move = move_to<distance, motion_profile, while_moving>;
+using jog_velocity = velocity<speed, time, time>;
+using held_velocity = hold<speed, duration, time, time>;
+using position_declaration = declare_position<distance>;
+
+constexpr relative_move in_units_of(const move_by<distance>& wanted, const cached_settings*) {
+    return {wanted.way};
+}
+constexpr absolute_move in_units_of(const move_to<distance>& wanted, const cached_settings*) {
+    return {wanted.place};
+}
+/// `velocity{speed}` with ramps of 100 ms, `velocity{speed, acceleration, deceleration}`.
+template <unit U, class Rep, std::same_as<time>... Ramps>
+[[gnu::always_inline]] constexpr jog_velocity in_units_of(const velocity<quantity<U, Rep>, Ramps...>& wanted,
+                                                          const cached_settings*) {
+    const speed target = commands::exactly<speed>(wanted.target);
+    if constexpr (sizeof...(Ramps) == 0)
+        return {target, time{100}, time{100}};
+    else
+        return {target, wanted.acceleration, wanted.deceleration};
+}
+/// `hold{speed, every}` with ramps of 100 ms, `hold{speed, every, acceleration, deceleration}`.
+template <unit U, class Rep, std::same_as<time>... Ramps>
+[[gnu::always_inline]] constexpr held_velocity
+in_units_of(const hold<quantity<U, Rep>, duration, Ramps...>& wanted, const cached_settings*) {
+    const speed target = commands::exactly<speed>(wanted.target);
+    if constexpr (sizeof...(Ramps) == 0)
+        return {target, wanted.every, time{100}, time{100}};
+    else
+        return {target, wanted.every, wanted.acceleration, wanted.deceleration};
+}
+
 /// Moves by a way; its sign is the direction. Refused while the motor moves (`busy`), unless it is to
 /// interrupt; what an interrupting way is counted from then is not stated. The move is ordered once: after an
 /// unanswered start the position is compared (`drive::motion()`), nothing is sent again. Returns once the
@@ -152,53 +207,38 @@ constexpr prepared_command move(distance target, const motion_profile& by, while
 /// `exception` if the drive refuses it instead [errata A56]; `not_reached` if the motor has moved, and is at
 /// rest elsewhere than at its target for as long: an input or a restart has stopped it; `wrong_state` with
 /// the drive's own profile, if its speeds are in a count that is not certain.
-struct move_by {
-    distance way;
-    motion_profile by{};
-    while_moving then = while_moving::ignore;
-    constexpr prepared_command prepare(const cached_settings& cached) const {
-        return detail::move<positioning::relative>(way, by, then, cached);
-    }
-};
+constexpr prepared_command prepare(const relative_move& wanted, const cached_settings& cached) {
+    return detail::move<positioning::relative>(wanted.way, wanted.by, wanted.then, cached);
+}
 
 /// Moves to a place, as `move_by` otherwise. Errors: `needs_homing` until the axis has been homed or its
 /// position declared, and again after a quick stop, a restart, and on open loop a release. (An input that
 /// frees the motor for a moment, between two looks, is not seen.) **A restart is not seen either of a drive
 /// that keeps its homed bit and its registers and counts from zero again: whether there is one is not stated.
 /// Home the axis, or declare its position, whenever its power may have been off** [errata A55].
-struct move_to {
-    distance place;
-    motion_profile by{};
-    while_moving then = while_moving::ignore;
-    constexpr prepared_command prepare(const cached_settings& cached) const {
-        prepared_command o = detail::move<positioning::absolute>(place, by, then, cached);
-        o.needs = o.needs | requirement::homed;
-        o.refusal = detail::first_error(o.refusal, detail::needs_homed(cached));
-        return o;
-    }
-};
+constexpr prepared_command prepare(const absolute_move& wanted, const cached_settings& cached) {
+    prepared_command o = detail::move<positioning::absolute>(wanted.place, wanted.by, wanted.then, cached);
+    o.needs = o.needs | requirement::homed;
+    o.refusal = detail::first_error(o.refusal, detail::needs_homed(cached));
+    return o;
+}
 
 /// Turns without end at a speed whose sign is the direction, -3000..3000 r/min. **No watchdog is documented:
 /// if the line is lost, the motor runs on.** Offer `bounded_jog` to people. Refused while the motor moves:
 /// stop first to change the speed. Section 4.2. Errors: as `move_by`; `not_reached` if the motor is at rest
 /// again.
-struct velocity {
-    speed target;
-    time acceleration{100};
-    time deceleration{100};
-    constexpr prepared_command prepare(const cached_settings& cached) const {
-        const auto count = detail::count_of<closed_loop::jog_speed>(target, cached);
-        const auto rise = detail::count_of<jog_acceleration_time>(acceleration);
-        const auto fall = detail::count_of<jog_deceleration_time>(deceleration);
-        const errc standing = target.count() == 0 ? errc::out_of_range : errc::ok;
-        return {.steps = routines::jog,
-                .arguments = {count.word, rise.word, fall.word},
-                .then = effect::jogged,
-                .needs = at_rest_and_able,
-                .refusal = detail::first_error(detail::needs_init_done(cached), standing, count.error,
-                                               rise.error, fall.error)};
-    }
-};
+constexpr prepared_command prepare(const jog_velocity& wanted, const cached_settings& cached) {
+    const auto count = detail::count_of<closed_loop::jog_speed>(wanted.target, cached);
+    const auto rise = detail::count_of<jog_acceleration_time>(wanted.acceleration);
+    const auto fall = detail::count_of<jog_deceleration_time>(wanted.deceleration);
+    const errc standing = wanted.target.count() == 0 ? errc::out_of_range : errc::ok;
+    return {.steps = routines::jog,
+            .arguments = {count.word, rise.word, fall.word},
+            .then = effect::jogged,
+            .needs = at_rest_and_able,
+            .refusal = detail::first_error(detail::needs_init_done(cached), standing, count.error, rise.error,
+                                           fall.error)};
+}
 
 /// A jog that ends by itself: a way that must be ordered again and again. While a creep is under way it is
 /// let be; when it has ended, the next command begins another. So the motor never runs on by more than `way`,
@@ -207,7 +247,7 @@ struct bounded_jog {
     distance way;
     motion_profile by{};
     constexpr prepared_command prepare(const cached_settings& cached) const {
-        prepared_command o = move_by{way, by}.prepare(cached);
+        prepared_command o = detail::move<positioning::relative>(way, by, while_moving::ignore, cached);
         o.then = effect::crept;
         return o;
     }
@@ -287,16 +327,13 @@ using home = basic_home<device>;
 }
 
 /// Says that the motor, where it stands, is at `place`; by homing method 35, without a motion. Section 4.3.
-struct declare_position {
-    distance place;
-    constexpr prepared_command prepare(const cached_settings& cached) const {
-        prepared_command o = detail::home(number_of(homing::current_position), place,
-                                          offset_handling::stay_position_offset, milliseconds(1'000), cached);
-        o.has_target = true;
-        o.target = place.count();
-        return o;
-    }
-};
+constexpr prepared_command prepare(const position_declaration& wanted, const cached_settings& cached) {
+    prepared_command o = detail::home(number_of(homing::current_position), wanted.place,
+                                      offset_handling::stay_position_offset, milliseconds(1'000), cached);
+    o.has_target = true;
+    o.target = wanted.place.count();
+    return o;
+}
 
 /// Says that the drive's position is still valid, which was homed by a program before this one. Errors:
 /// `needs_homing` if the drive reports no homing.
@@ -343,9 +380,7 @@ constexpr prepared_command prepare(read_feedback, const cached_settings& cached)
     return {.steps = routines::feedback, .then = effect::seen, .refusal = detail::needs_init_done(cached)};
 }
 
-/// By which a take-over knows what moves the motor although its plan does not show it, and what does not although its
-/// plan is that of a homing.
+/// By which a take-over knows that it moves the motor, which its plan does not show.
 template <class Device> void moves_or_energises(const basic_home<Device>*);
-void neither_moves_nor_energises(const declare_position*);
 
 } // namespace servobus::yako

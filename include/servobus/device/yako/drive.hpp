@@ -6,7 +6,7 @@
 //
 //     yako::closed_loop::drive lift{wire, 1};
 //     yako::open_loop::drive feeder{wire, 2};
-//     if (!lift.run(yako::init{}) || !feeder.run(yako::init{})) return 1;
+//     if (!lift.run(init{}) || !feeder.run(init{})) return 1;
 //     const auto seen = lift.read(); // a yako::closed_loop::feedback
 //     if (seen && !seen->state.is_homed()) std::puts("home the lift");
 #pragma once

@@ -6,7 +6,7 @@
 //
 //     void jog(auto& axis, bool is_pressed) { // in each loop iteration
 //         if (axis.step(); !axis.is_idle()) return;
-//         const yako::hold down{-30 * units::r_per_min, milliseconds(50)};
+//         constexpr hold down{-30 * units::r_per_min, milliseconds(50)};
 //         (void)(is_pressed ? axis.begin(down) : axis.begin(halt{}));
 //     }
 #pragma once
@@ -16,6 +16,43 @@
 #include <servobus/device/yako/commands.hpp>
 
 namespace servobus::yako {
+
+/// The bounds of `every`.
+inline constexpr duration shortest_hold = milliseconds(1);
+inline constexpr duration longest_hold = milliseconds(1000);
+
+/// The way from the position seen to the target of one command: speed x (2 x `every` + 50 ms + `deceleration`),
+/// or at most 2 % and 32 pulses more. The 50 ms are for the frames and the drive's start. The second `every` and
+/// half of the deceleration leave time for a late command.
+constexpr distance reach(const held_velocity& wanted, const cached_settings& cached) {
+    constexpr std::uint32_t delay_ms = 50;
+    const speed top = wanted.target.count() < 0 ? -wanted.target : wanted.target;
+    const std::uint32_t period = (wanted.every.us >> 10) + (wanted.every.us >> 15) + 1; // ms
+    const std::uint32_t ms = 2 * period + delay_ms + static_cast<std::uint32_t>(wanted.deceleration.count());
+    // Shifts in place of divisions, which a small core lacks: 7 / 4096 / 1024 is 1 / 600 000 and 0.1 % more.
+    const std::uint32_t pace = (static_cast<std::uint32_t>(top.count()) * cached.microsteps >> 12) * 7 + 7;
+    const std::uint32_t way = (pace >> 10) * ms + ((pace & 1023u) * ms >> 10) + 1;
+    return distance{static_cast<std::int32_t>(wanted.target.count() < 0 ? 0u - way : way)};
+}
+
+namespace detail {
+// A motion under way has the same speed and ramps. The target lies within the counter's range.
+constexpr errc aim_of_hold(prepared_command& c, const std::uint16_t* feedback, const cached_settings& known) {
+    using namespace routines;
+    const bool is_moving = motion_status::from_word(feedback[status_at]).is_moving();
+    for (std::size_t i = 0; is_moving && i < cached_settings::profile_words; ++i) {
+        if (c.arguments[i] != known.profile[i]) return errc::busy;
+    }
+    const u32 from = join_words(feedback[position_at], feedback[position_at + 1u], known.word_order);
+    const u32 to = from + static_cast<u32>(c.target);
+    const word_pair words = split_words(to, known.word_order);
+    c.arguments[4] = words.first;
+    c.arguments[5] = words.second;
+    const auto place = static_cast<std::int32_t>(to);
+    const bool is_within = (c.target < 0) == (place < static_cast<std::int32_t>(from));
+    return is_within ? in_range(distance{place}) : errc::out_of_range;
+}
+} // namespace detail
 
 /// Turns at a speed for as long as the program repeats the command; `halt` ends it. Each command is an absolute move to
 /// the position that the drive shows, plus `reach`, and interrupts the one before (bit 3 of 0027h). So the motor never
@@ -38,67 +75,22 @@ namespace servobus::yako {
 /// beyond 1 ms..1 s, and a target beyond the 32 bits of the position, where the motor comes to rest: declare another
 /// position. `unexpected_value` if 0011h held none of its range at `init`. `not_reached` if the motor rests again: an
 /// input, or an `every` that is shorter than the program and the line take. Otherwise as `move_by`.
-struct hold {
-    static constexpr duration shortest = milliseconds(1);
-    static constexpr duration longest = milliseconds(1000);
-
-    speed target; ///< its sign is the direction
-    /// The longest time from one command to the next. One takes six frames: 35 ms at 115200 Bd, 200 ms at 9600 Bd.
-    duration every;
-    time acceleration{100}; ///< 0..2000 ms
-    time deceleration{100}; ///< 0..2000 ms
-
-    /// The way from the position seen to the target of one command: speed x (2 x `every` + 50 ms + `deceleration`),
-    /// or at most 2 % and 32 pulses more. The 50 ms are for the frames and the drive's start. The second `every` and
-    /// half of the deceleration leave time for a late command.
-    constexpr distance reach(const cached_settings& cached) const {
-        const speed top = target.count() < 0 ? -target : target;
-        const std::uint32_t period = (every.us >> 10) + (every.us >> 15) + 1; // ms
-        const std::uint32_t ms = 2 * period + delay_ms + static_cast<std::uint32_t>(deceleration.count());
-        // Shifts in place of divisions, which a small core lacks: 7 / 4096 / 1024 is 1 / 600 000 and 0.1 % more.
-        const std::uint32_t pace =
-            (static_cast<std::uint32_t>(top.count()) * cached.microsteps >> 12) * 7 + 7;
-        const std::uint32_t way = (pace >> 10) * ms + ((pace & 1023u) * ms >> 10) + 1;
-        return distance{static_cast<std::int32_t>(target.count() < 0 ? 0u - way : way)};
-    }
-    constexpr prepared_command prepare(const cached_settings& cached) const {
-        const bool is_forward = target.count() > 0;
-        const motion_profile by{{}, acceleration, deceleration, is_forward ? target : -target};
-        prepared_command o =
-            detail::move<positioning::absolute>(distance{}, by, while_moving::interrupt, cached);
-        const bool is_known = microstep_resolution.limits.contains(cached.microsteps);
-        const bool is_time = every >= shortest && every <= longest;
-        o.then = effect::crept;
-        o.needs = at_rest_and_able; // unless it goes on
-        o.is_absolute = false;      // its target is counted from the position that is seen
-        o.aim = aim;
-        o.refusal =
-            detail::first_error(o.refusal, is_time && target.count() != 0 ? errc::ok : errc::out_of_range,
-                                is_known ? errc::ok : errc::unexpected_value);
-        if (o.refusal == errc::ok) o.target = reach(cached).count();
-        return o;
-    }
-
-  private:
-    static constexpr std::uint32_t delay_ms = 50;
-
-    // A motion under way has the same speed and ramps. The target lies within the counter's range.
-    static constexpr errc aim(prepared_command& c, const std::uint16_t* feedback,
-                              const cached_settings& known) {
-        using namespace routines;
-        const bool is_moving = motion_status::from_word(feedback[status_at]).is_moving();
-        for (std::size_t i = 0; is_moving && i < cached_settings::profile_words; ++i) {
-            if (c.arguments[i] != known.profile[i]) return errc::busy;
-        }
-        const u32 from = join_words(feedback[position_at], feedback[position_at + 1u], known.word_order);
-        const u32 to = from + static_cast<u32>(c.target);
-        const word_pair words = split_words(to, known.word_order);
-        c.arguments[4] = words.first;
-        c.arguments[5] = words.second;
-        const auto place = static_cast<std::int32_t>(to);
-        const bool is_within = (c.target < 0) == (place < static_cast<std::int32_t>(from));
-        return is_within ? detail::in_range(distance{place}) : errc::out_of_range;
-    }
-};
+constexpr prepared_command prepare(const held_velocity& wanted, const cached_settings& cached) {
+    const bool is_forward = wanted.target.count() > 0;
+    const motion_profile by{
+        {}, wanted.acceleration, wanted.deceleration, is_forward ? wanted.target : -wanted.target};
+    prepared_command o = detail::move<positioning::absolute>(distance{}, by, while_moving::interrupt, cached);
+    const bool is_known = microstep_resolution.limits.contains(cached.microsteps);
+    const bool is_time = wanted.every >= shortest_hold && wanted.every <= longest_hold;
+    o.then = effect::crept;
+    o.needs = at_rest_and_able; // unless it goes on
+    o.is_absolute = false;      // its target is counted from the position that is seen
+    o.aim = detail::aim_of_hold;
+    o.refusal =
+        detail::first_error(o.refusal, is_time && wanted.target.count() != 0 ? errc::ok : errc::out_of_range,
+                            is_known ? errc::ok : errc::unexpected_value);
+    if (o.refusal == errc::ok) o.target = reach(wanted, cached).count();
+    return o;
+}
 
 } // namespace servobus::yako

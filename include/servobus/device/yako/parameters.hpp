@@ -5,10 +5,10 @@
 // order, speed resolution, communication, parameters saved and restored. What is set is read back.
 // servobus/device/yako.hpp includes it. Source: manual V2.6.0, chapters 2 and 5, sections 4.3 to 4.5.
 //
-//     if (!axis.run(yako::init{}) || !axis.run(disable{})) return 1; // `set_input` needs a free shaft
+//     if (!axis.run(init{}) || !axis.run(disable{})) return 1; // `set_input` needs a free shaft
 //     if (!axis.run(yako::set_input{yako::input::x0, yako::input_function::home})) return 1;
 //     if (!axis.run(yako::set_homing_profile{200 * r_per_min, 20 * r_per_min})) return 1;
-//     if (!axis.run(yako::limit_travel{40'000 * pulse, -500 * pulse})) return 1; // once it is homed
+//     if (!axis.run(limit_travel{-500 * pulse, 40'000 * pulse})) return 1; // once it is homed
 //     if (!axis.run(yako::save{})) return 1;                                     // in the EEPROM
 #pragma once
 
@@ -238,21 +238,20 @@ using set_outputs = basic_set_outputs<device, outputs>;
 /// The software limits, 0037h..003Ah, and 0018h, at standstill: they act once the axis has been homed. What
 /// the motor does beyond them is 0017h (`set_over_travel_stop`), from the factory to coast. A drive that has
 /// lost them is found out by the next command, as a restart is. Section 5.3.
-struct limit_travel {
-    distance positive;
-    distance negative;
-    constexpr prepared_command prepare(const cached_settings& cached) const {
-        const word_pair up = detail::words_of(positive, cached);
-        const word_pair down = detail::words_of(negative, cached);
-        const errc wrong = positive > negative ? errc::ok : errc::bad_argument;
-        return {.steps = routines::limit_travel,
-                .arguments = {up.first, up.second, down.first, down.second},
-                .then = effect::limited,
-                .needs = requirement::standing,
-                .refusal = detail::first_error(detail::needs_init_done(cached), wrong,
-                                               detail::in_range(positive), detail::in_range(negative))};
-    }
-};
+using servobus::limit_travel;
+using travel_bounds = limit_travel<distance>;
+constexpr prepared_command prepare(const travel_bounds& wanted, const cached_settings& cached) {
+    const word_pair up = detail::words_of(wanted.highest, cached);
+    const word_pair down = detail::words_of(wanted.lowest, cached);
+    const errc wrong = wanted.highest > wanted.lowest ? errc::ok : errc::bad_argument;
+    return {.steps = routines::limit_travel,
+            .arguments = {up.first, up.second, down.first, down.second},
+            .then = effect::limited,
+            .needs = requirement::standing,
+            .refusal =
+                detail::first_error(detail::needs_init_done(cached), wrong, detail::in_range(wanted.highest),
+                                    detail::in_range(wanted.lowest))};
+}
 /// Switches the software limits off.
 struct unlimit_travel {
     constexpr prepared_command prepare(const cached_settings& cached) const {

@@ -6,8 +6,8 @@
 // routine with its arguments; the routine checks the drive's own state. The headers with the commands include
 // it; programs use the drive's state and its quantities.
 //
-//     if (axis.state() == yako::drive_state::needs_init && !axis.run(yako::init{})) return 1;
-//     if (axis.state() == yako::drive_state::disabled && !axis.run(yako::enable{})) return 1;
+//     if (axis.state() == yako::drive_state::needs_init && !axis.run(init{})) return 1;
+//     if (axis.state() == yako::drive_state::disabled && !axis.run(enable{})) return 1;
 //     const bool may_move_to = axis.cached().is_homed;       // what an absolute move requires
 //     constexpr yako::speed creep = 5 * part<10>(r_per_min); // 0.5 r/min
 #pragma once

@@ -5,8 +5,8 @@
 // current loop. What is set is read back. servobus/device/yako.hpp includes it. Source: manual V2.6.0, sections 4.3 and
 // 5.1, appendices 2 and 3, which do not state when a parameter may be written: the rules here are on the safe side.
 //
-//     if (!axis.run(yako::init{}) || !axis.run(yako::disable{})) return 1;
-//     if (!axis.run(yako::set_microsteps{2000}) || !axis.run(yako::init{})) return 1; // positions count anew
+//     if (!axis.run(init{}) || !axis.run(disable{})) return 1;
+//     if (!axis.run(yako::set_microsteps{2000}) || !axis.run(init{})) return 1; // positions count anew
 //     if (!axis.run(yako::set<yako::closed_loop::max_current>{3 * ampere})) return 1; // the motor's rated current
 //     if (!axis.run(yako::save{})) return 1;
 #pragma once
@@ -64,7 +64,7 @@ template <const auto& R> constexpr void check_settable() {
     static_assert(at != over_travel_stop_mode.address,
                   "the stop at a limit is set by set_over_travel_stop{}");
     static_assert(at != 0x0018 && !is_between(at, 0x0037, 0x003A),
-                  "the software limits are set by limit_travel{} and unlimit_travel{}");
+                  "the software limits are set by limit_travel and unlimit_travel");
     static_assert(at != 0x001A, "the worth of a count of speed is set by set_speed_resolution{}");
     static_assert(!is_between(at, 0x001D, 0x001F), "a jog is set by velocity{}");
     static_assert(!is_between(at, 0x0020, 0x0023), "the profile of moves is set by set_profile{}");

@@ -4,7 +4,7 @@
 // ZLTECH ZLAC8015D: the arguments of each command with the register that takes them and their limits. Programs that ask
 // `why` a command was refused include it; no other header does.
 //
-//     constexpr zlac8015d::velocity fast{900 * r_per_min, 0 * r_per_min};
+//     constexpr velocity fast{900 * r_per_min, 0 * r_per_min};
 //     const refusal r = why(wheels, fast); // after `begin` or `run` has refused it
 //     if (r.is_of_value() && r.argument.limited_by == zlac8015d::max_motor_speed.address)
 //         std::printf("2008h allows %ld counts\n", long(r.argument.limits.high));
@@ -58,12 +58,12 @@ constexpr auto arguments(const enable_in& c, const cached_settings&) {
     const command_argument mode = commands::argument<mode_of_operation>(c.mode.mode());
     return argument_list{mode.within(first, last).refused_as(errc::bad_argument)};
 }
-constexpr auto arguments(const velocity& c, const cached_settings& known) {
+constexpr auto arguments(const wheel_velocities& c, const cached_settings& known) {
     return argument_list{detail::speed_argument<left_target_speed>(c.left, known),
                          detail::speed_argument<right_target_speed>(c.right, known)};
 }
-constexpr auto arguments(const hold& c, const cached_settings& known) {
-    return arguments(velocity{c.left, c.right}, known);
+constexpr auto arguments(const held_velocities& c, const cached_settings& known) {
+    return arguments(wheel_velocities{c.left, c.right}, known);
 }
 constexpr auto arguments(const left_velocity& c, const cached_settings& known) {
     return argument_list{detail::speed_argument<left_target_speed>(c.left, known)};
@@ -81,7 +81,7 @@ constexpr auto arguments(const left_torque& c, const cached_settings&) {
 constexpr auto arguments(const right_torque& c, const cached_settings&) {
     return argument_list{commands::argument<right_target_torque>(c.right)};
 }
-constexpr auto arguments(const move_by& c, const cached_settings&) {
+constexpr auto arguments(const wheel_ways& c, const cached_settings&) {
     return argument_list{commands::argument<left_target_position>(c.left),
                          commands::argument<right_target_position>(c.right)};
 }
@@ -91,7 +91,7 @@ constexpr auto arguments(const move_left_by& c, const cached_settings&) {
 constexpr auto arguments(const move_right_by& c, const cached_settings&) {
     return argument_list{commands::argument<right_target_position>(c.right)};
 }
-constexpr auto arguments(const move_to& c, const cached_settings&) {
+constexpr auto arguments(const wheel_places& c, const cached_settings&) {
     return argument_list{detail::absolute_argument<left_target_position>(c.left),
                          detail::absolute_argument<right_target_position>(c.right)};
 }

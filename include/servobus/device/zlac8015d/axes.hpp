@@ -8,7 +8,7 @@
 //     zlac8015d::axes belts{wire, 1, belt, belt, {.command_timeout = milliseconds(300)}};
 //     using zlac8015d::operating_mode, zlac8015d::synchronisation;
 //     const zlac8015d::enable_in ways{operating_mode::relative_position, synchronisation::asynchronous};
-//     if (!belts.run(init{}) || !belts.run(ways) || !belts.left().run(travel_by{250_mm})) return 1;
+//     if (!belts.run(init{}) || !belts.run(ways) || !belts.left().run(move_by{250_mm})) return 1;
 #pragma once
 
 #include <cstdint>
@@ -146,7 +146,7 @@ constexpr errc profile_error(const axis_profile& by) {
 
 /// Absolute position mode, asynchronous: to a place from the drive's absolute zero (2006h). Errors: as `move_left_to`;
 /// `out_of_range`; `bad_argument` with a profile, which is the drive's: `position_speed`, `ramps`.
-constexpr axis_command plan_on_wheel(const travel_to& wanted, const detail::axis_now& on,
+constexpr axis_command plan_on_wheel(const axis_move_to& wanted, const detail::axis_now& on,
                                      const cached_settings& known) {
     const result<std::int32_t> counts = on.place().geometry().counts_of(wanted.place);
     const distance place{counts.value_or(0)};
@@ -158,7 +158,7 @@ constexpr axis_command plan_on_wheel(const travel_to& wanted, const detail::axis
     return c;
 }
 /// Relative position mode, asynchronous. Errors likewise.
-constexpr axis_command plan_on_wheel(const travel_by& wanted, const detail::axis_now& on,
+constexpr axis_command plan_on_wheel(const axis_move_by& wanted, const detail::axis_now& on,
                                      const cached_settings& known) {
     std::int32_t rest = 0;
     const result<std::int32_t> counts = on.place().plan(wanted.way, rest);
@@ -174,16 +174,16 @@ constexpr axis_command plan_on_wheel(const travel_by& wanted, const detail::axis
 }
 /// Velocity mode, to the nearest count of the drive's speed; the other axis keeps its speed. Errors: as
 /// `left_velocity`; `out_of_range`, also for a speed that is not 0 and rounds to it.
-constexpr axis_command plan_on_wheel(const travel_at& wanted, const detail::axis_now& on,
+constexpr axis_command plan_on_wheel(const axis_velocity& wanted, const detail::axis_now& on,
                                      const cached_settings& known) {
     const std::int32_t n = known.resolution;
-    const result<std::int32_t> exact = on.place().geometry().motor_counts_of(wanted.speed, n);
+    const result<std::int32_t> exact = on.place().geometry().motor_counts_of(wanted.target, n);
     const std::int32_t counted = exact.value_or(0);
     const std::int32_t counts = counted > 32'767 || counted < -32'767 ? 0 : counted;
     const speed to{counts * (2520 / n)};
     axis_command c =
         on.which == wheels::left ? left_velocity{to}.prepare(known) : right_velocity{to}.prepare(known);
-    const errc lost = counts == 0 && wanted.speed.count() != 0 ? errc::out_of_range : errc::ok;
+    const errc lost = counts == 0 && wanted.target.count() != 0 ? errc::out_of_range : errc::ok;
     c.refusal = detail::first_error(exact.error(), detail::first_error(lost, c.refusal));
     if (c.refusal != errc::ok || !on.model.has_limits()) return c;
     if (on.model.top_counts(on.which, known) == 0) c.refusal = errc::out_of_range;
@@ -202,7 +202,7 @@ template <class Drive> class axis_of_drive {
     /// The axis that the motor moves.
     constexpr const axis& geometry() const { return place().geometry(); }
 
-    /// Runs a command of this axis: `travel_to`, `travel_by`, `travel_at`. Waits; with limits until the speed is
+    /// Runs a command of this axis: `move_to`, `move_by`, `velocity`. Waits; with limits until the speed is
     /// ordered, by a setpoint every 20 ms.
     template <class Wanted> command_status run(const Wanted& wanted) {
         for (;;) {
@@ -212,7 +212,7 @@ template <class Drive> class axis_of_drive {
             if (!shaped_speeds::pause(*drive_, begun)) return errc::clock_stopped;
         }
     }
-    /// Begins a command of this axis. With limits `travel_at` begins one setpoint on the way to its speed: a program
+    /// Begins a command of this axis. With limits `velocity` begins one setpoint on the way to its speed: a program
     /// begins it every 20 ms or so.
     template <class Wanted> constexpr command_status begin(const Wanted& wanted) {
         return drive_->begin(with_geometry(wanted));
@@ -292,8 +292,8 @@ template <class Line> class axes : public basic_drive<Line, axes_model> {
     /// The model of both axes.
     constexpr const axes_model& model_of_axes() const { return this->model(); }
 
-    /// Limits the speeds of both axes: `top`, and the times from standstill to it and back. `travel_at` shapes its
-    /// setpoints by them, `travel_to` and `travel_by` are refused. The next `init` writes ramps of 10 ms, and the time
+    /// Limits the speeds of both axes: `top`, and the times from standstill to it and back. `velocity` shapes its
+    /// setpoints by them, `move_to` and `move_by` are refused. The next `init` writes ramps of 10 ms, and the time
     /// in which the drive stops without the program, no harder than the limits. Errors as `robot::set_limits`.
     constexpr status set_limits(const axis_profile& left, const axis_profile& right) {
         if (this->state() == drive_state::enabled) return errc::wrong_state;

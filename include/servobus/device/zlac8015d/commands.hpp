@@ -5,14 +5,15 @@
 // move, read feedback. servobus/device/zlac8015d.hpp includes it. Source: RS485 manual V1.07, chapter 3.
 //
 //     constexpr auto mode = zlac8015d::operating_mode::relative_position;
-//     if (!wheels.run(zlac8015d::init{}) || !wheels.run(zlac8015d::enable_in{mode})) return 1;
-//     if (!wheels.run(zlac8015d::move_by{4096 * pulse, -4096 * pulse})) return 1; // both start together
-//     if (!wheels.run(zlac8015d::wait_standstill{})) return 1;
-//     if (!wheels.run(zlac8015d::disable{})) return 1;
+//     if (!wheels.run(init{}) || !wheels.run(zlac8015d::enable_in{mode})) return 1;
+//     if (!wheels.run(move_by{4096 * pulse, -4096 * pulse})) return 1; // both start together
+//     if (!wheels.run(wait_standstill{})) return 1;
+//     if (!wheels.run(disable{})) return 1;
 #pragma once
 
 #include <cstdint>
 
+#include <servobus/control/motion_commands.hpp>
 #include <servobus/device/zlac8015d/prepared_command.hpp>
 
 namespace servobus::zlac8015d {
@@ -130,21 +131,36 @@ constexpr prepared_command prepare(fault_reset, const cached_settings& cached) {
         .steps = routines::fault_reset, .then = effect::disabled, .refusal = detail::needs_init_done(cached)};
 }
 
-/// Velocity mode: both wheels in one frame. Errors: `out_of_range`, `inexact`, `wrong_state`, `needs_init`.
-struct velocity {
-    speed left;
-    speed right;
+using servobus::hold, servobus::move_by, servobus::move_to, servobus::velocity;
 
-    constexpr prepared_command prepare(const cached_settings& cached) const {
-        const auto l = detail::count_of(left, cached);
-        const auto r = detail::count_of(right, cached);
-        return {.steps = routines::velocity,
-                .arguments = {l.word, r.word},
-                .then = effect::motion,
-                .refusal = detail::first_error(detail::needs(cached, operating_mode::velocity),
-                                               detail::first_error(l.error, r.error))};
-    }
-};
+/// `velocity{left, right}` in counts of 1/2520 r/min, which has every count of every resolution (2022h).
+using wheel_velocities = velocity<speed, speed>;
+using held_velocities = hold<speed, speed>;
+using wheel_ways = move_by<distance, distance>;   ///< `move_by{left, right}`
+using wheel_places = move_to<distance, distance>; ///< `move_to{left, right}`
+
+/// Speeds in any unit of a turning motor. A constant that is no whole number of 1/2520 r/min does not compile.
+template <unit U, class A, unit V, class B>
+[[gnu::always_inline]] constexpr wheel_velocities
+in_units_of(const velocity<quantity<U, A>, quantity<V, B>>& wanted, const cached_settings*) {
+    return {commands::exactly<speed>(wanted.left), commands::exactly<speed>(wanted.right)};
+}
+template <unit U, class A, unit V, class B>
+[[gnu::always_inline]] constexpr held_velocities
+in_units_of(const hold<quantity<U, A>, quantity<V, B>>& wanted, const cached_settings*) {
+    return {commands::exactly<speed>(wanted.left), commands::exactly<speed>(wanted.right)};
+}
+
+/// Velocity mode: both wheels in one frame. Errors: `out_of_range`, `inexact`, `wrong_state`, `needs_init`.
+constexpr prepared_command prepare(const wheel_velocities& wanted, const cached_settings& cached) {
+    const auto l = detail::count_of(wanted.left, cached);
+    const auto r = detail::count_of(wanted.right, cached);
+    return {.steps = routines::velocity,
+            .arguments = {l.word, r.word},
+            .then = effect::motion,
+            .refusal = detail::first_error(detail::needs(cached, operating_mode::velocity),
+                                           detail::first_error(l.error, r.error))};
+}
 
 /// Velocity mode: both wheels at a speed for as long as the program repeats the command; `halt` ends it. As `velocity`,
 /// but something must stop the wheels when it is not repeated:
@@ -155,17 +171,11 @@ struct velocity {
 /// - The drive restarts: its motors have no power, and the state is `needs_init`.
 /// Another pair of speeds, also of other signs, holds from then on, by the drive's ramps. Errors: as `velocity`;
 /// `bad_argument` without a command timeout (`no_command_timeout`), `wrong_state` if 2000h is 0.
-struct hold {
-    static constexpr bool needs_command_timeout = true;
-    speed left;
-    speed right;
-
-    constexpr prepared_command prepare(const cached_settings& cached) const {
-        prepared_command o = velocity{left, right}.prepare(cached);
-        o.refusal = detail::first_error(o.refusal, cached.host_timeout == 0 ? errc::wrong_state : errc::ok);
-        return o;
-    }
-};
+constexpr prepared_command prepare(const held_velocities& wanted, const cached_settings& cached) {
+    prepared_command o = prepare(wheel_velocities{wanted.left, wanted.right}, cached);
+    o.refusal = detail::first_error(o.refusal, cached.host_timeout == 0 ? errc::wrong_state : errc::ok);
+    return o;
+}
 
 /// Velocity mode: the left wheel alone; the right one keeps its target.
 struct left_velocity {
@@ -197,7 +207,7 @@ struct clamped_velocity {
     speed left;
     speed right;
 
-    constexpr velocity within(const cached_settings& cached) const {
+    constexpr wheel_velocities within(const cached_settings& cached) const {
         const std::uint32_t most = left_target_speed.limits.high;
         const std::uint32_t reached = std::uint32_t{cached.max_speed} * cached.resolution;
         const std::uint32_t limit = reached < most ? reached : most; // in counts
@@ -213,7 +223,7 @@ struct clamped_velocity {
         return {fit(left), fit(right)};
     }
     constexpr prepared_command prepare(const cached_settings& cached) const {
-        return within(cached).prepare(cached);
+        return zlac8015d::prepare(within(cached), cached);
     }
 
   private:
@@ -294,15 +304,10 @@ inline constexpr std::int32_t farthest_place = 0x3FFF'FFFF;
 /// Relative position mode, synchronous: both wheels start together. Refused while a wheel moves. The move is
 /// ordered once: after an unanswered start the positions are compared (`drive::motion()`), nothing is sent
 /// again. Do not send it again yourself because no motion was seen: a short move may be over. Section 3.2.
-struct move_by {
-    distance left;
-    distance right;
-    constexpr prepared_command prepare(const cached_settings& cached) const {
-        return detail::move(routines::move_both, operating_mode::relative_position,
-                            synchronisation::synchronous, cached, {left.count(), right.count()},
-                            detail::longest_way);
-    }
-};
+constexpr prepared_command prepare(const wheel_ways& wanted, const cached_settings& cached) {
+    return detail::move(routines::move_both, operating_mode::relative_position, synchronisation::synchronous,
+                        cached, {wanted.left.count(), wanted.right.count()}, detail::longest_way);
+}
 /// Relative position mode, asynchronous: one wheel, while the other one is at rest or moves. Section 3.2.
 struct move_left_by {
     distance left;
@@ -322,15 +327,10 @@ struct move_right_by {
     }
 };
 /// Absolute position mode, synchronous: places within +-0x3FFFFFFF.
-struct move_to {
-    distance left;
-    distance right;
-    constexpr prepared_command prepare(const cached_settings& cached) const {
-        return detail::move(routines::move_both, operating_mode::absolute_position,
-                            synchronisation::synchronous, cached, {left.count(), right.count()},
-                            detail::farthest_place);
-    }
-};
+constexpr prepared_command prepare(const wheel_places& wanted, const cached_settings& cached) {
+    return detail::move(routines::move_both, operating_mode::absolute_position, synchronisation::synchronous,
+                        cached, {wanted.left.count(), wanted.right.count()}, detail::farthest_place);
+}
 /// Absolute position mode, asynchronous: one wheel.
 struct move_left_to {
     distance left;

@@ -6,7 +6,7 @@
 // when they may have changed; it is not a safety function. servobus/device/zlac8015d.hpp includes it.
 //
 //     zlac8015d::drive wheels{wire, 1, {.command_timeout = milliseconds(300)}};
-//     if (!wheels.run(zlac8015d::init{})) return 1;
+//     if (!wheels.run(init{})) return 1;
 //     const result<zlac8015d::feedback> seen = wheels.read(); // one request
 //     if (!seen || seen->has_fault()) return 1;
 //     if (seen->left_speed > 10 * r_per_min) std::puts("the left wheel turns");

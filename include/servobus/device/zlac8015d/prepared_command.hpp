@@ -6,7 +6,7 @@
 // with its arguments. The headers with its commands include it; programs use the drive's state and its
 // quantities.
 //
-//     if (wheels.state() == zlac8015d::drive_state::needs_init && !wheels.run(zlac8015d::init{})) return 1;
+//     if (wheels.state() == zlac8015d::drive_state::needs_init && !wheels.run(init{})) return 1;
 //     const zlac8015d::speed top = wheels.cached().max_speed * r_per_min; // 2008h
 //     constexpr zlac8015d::speed crawl = 5 * part<10>(r_per_min);         // 0.5 r/min
 #pragma once
