@@ -24,7 +24,7 @@ MAY_INCLUDE = {
     "sim": "core modbus registers line control device",
     "posix": "core registers line",
     "windows": "core registers line",
-    "": "core modbus registers line client control bus explain",  # servobus.hpp
+    "": "core modbus registers axis line client control bus explain",  # servobus.hpp, words.hpp
 }
 # Headers with what people want to know, which no other header includes: they cost a program that does not include them
 # nothing.

@@ -20,10 +20,10 @@ inline constexpr axis_profile fast{.top = 50_mm_per_s, .acceleration = 200_ms, .
 // The inputs are set without power.
 inline constexpr take_over set_up{with_fault_reset{},
                                   disable{},
-                                  y::set_input{y::input::x0, y::input_function::home},
-                                  y::set_input{y::input::x1, y::input_function::positive_limit},
-                                  y::set_input{y::input::x2, y::input_function::negative_limit},
-                                  y::set_input{y::input::x3, y::input_function::stop},
+                                  y::set_input{y::input_terminal::x0, y::input_function::home},
+                                  y::set_input{y::input_terminal::x1, y::input_function::positive_limit},
+                                  y::set_input{y::input_terminal::x2, y::input_function::negative_limit},
+                                  y::set_input{y::input_terminal::x3, y::input_function::stop},
                                   y::set_over_travel_stop{y::over_travel_stop::emergency_stop},
                                   y::set_homing_profile{120_r_per_min, 30_r_per_min, 100_ms}};
 

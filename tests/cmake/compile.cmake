@@ -25,6 +25,7 @@ endif()
 
 # tests/run.sh compiles one program for each sentence that is expected, and .ci/run all.
 set(sentences)
+check(headers.firmware LABELS compile fast COMMAND ${compiler} -fsyntax-only -Wall -Wextra -Werror tests/firmware.cpp)
 check(fail.control LABELS compile fast COMMAND ${compiler} -fsyntax-only -Wall -Wextra -Werror tests/fail/control.cpp)
 foreach(program IN LISTS wrong_programs)
   get_filename_component(name ${program} NAME_WE)

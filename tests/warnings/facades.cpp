@@ -24,6 +24,7 @@
 #include <servobus/posix/serial.hpp>
 #include <servobus/registers/format.hpp>
 #include <servobus/registers/literals.hpp>
+#include <servobus/words.hpp>
 
 using namespace servobus;
 using namespace servobus::units;

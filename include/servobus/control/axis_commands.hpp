@@ -38,10 +38,10 @@ struct axis_profile {
     }
 };
 
-/// What a length is: the rules of a move of an axis. `move_to{place}` is by the profile that the drive holds,
-/// `move_to{place, profile}` by another one, which may be written in braces. A place is rounded to the nearest count.
-/// What a way, `move_by`, leaves when it is rounded goes into the next one: a thousand moves do not drift. That is
-/// carried once the move has begun, and forgotten where the position is counted from elsewhere.
+/// The moves of an axis. `move_to{place}` is by the profile that the drive holds, `move_to{place, profile}` by another
+/// one, which may be written in braces. A place is rounded to the nearest count. The rest of a way, `move_by`, that is
+/// rounded goes into the next one: a thousand moves do not drift. The rest is carried once the move has begun. It is
+/// forgotten where the position is counted from elsewhere.
 template <unit U, class Rep>
 requires(detail::same_kind(U, units::micrometre)) move_to(quantity<U, Rep>, axis_profile = {})
 ->move_to<detail::kept<quantity<U, Rep>>, axis_profile>;

@@ -35,7 +35,7 @@ template <std::size_t Size> consteval decimal decimal_of(const char (&text)[Size
     std::int64_t count = 0;
     std::uint32_t parts = 1;
     bool has_point = false;
-    bool is_octal = Size > 1 && text[0] == '0' && text[1] != '.';
+    bool is_octal = Size > 1 && text[0] == '0' && text[Size > 1 ? 1 : 0] != '.';
     for (const char c : text) {
         if (c == '\'') continue;
         if (c == '.') {

@@ -778,8 +778,9 @@ TEST_CASE("G44: on a bad line motion is only what was consented") {
 
 TEST_CASE("a lift is moved through its loop") {
     simulated::closed_axis r;
-    setpoint_loop loop{r.drive, take_over{disable{}, y::set_input{y::input::x0, y::input_function::home},
-                                          y::set_homing_profile{120 * r_per_min, 30 * r_per_min}}};
+    setpoint_loop loop{r.drive,
+                       take_over{disable{}, y::set_input{y::input_terminal::x0, y::input_function::home},
+                                 y::set_homing_profile{120 * r_per_min, 30 * r_per_min}}};
     std::vector<loop_report> reports;
     const auto go = [&](std::uint32_t ms) {
         const std::uint64_t end = r.wire.time_us() + std::uint64_t{ms} * 1000;
@@ -822,7 +823,8 @@ TEST_CASE("a lift is moved through its loop") {
 
 TEST_CASE("a stepper that a wired stop has stopped stays at rest once that is released") {
     simulated::closed_axis r;
-    setpoint_loop loop{r.drive, take_over{disable{}, y::set_input{y::input::x3, y::input_function::stop}},
+    setpoint_loop loop{r.drive,
+                       take_over{disable{}, y::set_input{y::input_terminal::x3, y::input_function::stop}},
                        enable{}, setpoints<y::bounded_jog>{}};
     constexpr y::motion_profile slow{5 * r_per_min, 100 * millisecond, 100 * millisecond, 60 * r_per_min};
     unsigned refused = 0;
@@ -859,7 +861,8 @@ TEST_CASE(
     constexpr y::motion_profile slow{5 * r_per_min, 100 * millisecond, 100 * millisecond, 60 * r_per_min};
     const auto play = [&](std::int32_t way, wait_reached wait, bool is_stopped) {
         simulated::closed_axis r;
-        setpoint_loop loop{r.drive, take_over{disable{}, y::set_input{y::input::x3, y::input_function::stop}},
+        setpoint_loop loop{r.drive,
+                           take_over{disable{}, y::set_input{y::input_terminal::x3, y::input_function::stop}},
                            enable{}, setpoints<wait_reached>{}};
         errc seen = errc::ok;
         const auto go = [&](std::uint32_t ms) {

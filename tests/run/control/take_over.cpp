@@ -216,13 +216,13 @@ TEST_CASE("a take-over of a stepper: settings that need it without power follow 
     simulated::closed_axis r;
     const auto inputs = take_over{with_fault_reset{},
                                   disable{},
-                                  y::set_input{y::input::x0, y::input_function::home},
-                                  y::set_input{y::input::x1, y::input_function::positive_limit},
+                                  y::set_input{y::input_terminal::x0, y::input_function::home},
+                                  y::set_input{y::input_terminal::x1, y::input_function::positive_limit},
                                   y::set_over_travel_stop{y::over_travel_stop::emergency_stop},
                                   y::set_homing_profile{120 * r_per_min, 30 * r_per_min, 100 * millisecond}};
     REQUIRE(r.drive.run(init{}));
     CHECK(r.drive.state() == drive_state::enabled); // by its power-on
-    const auto refused = r.drive.run(take_over{y::set_input{y::input::x0, y::input_function::home}});
+    const auto refused = r.drive.run(take_over{y::set_input{y::input_terminal::x0, y::input_function::home}});
     CHECK(refused.part() == part::setting);
     CHECK(refused.error() == errc::wrong_state);
     REQUIRE(r.drive.run(inputs));
@@ -276,7 +276,7 @@ TEST_CASE("a bus takes its drives over while the others go on") {
     REQUIRE(p.all.run(p.wheels, for_wheels));
     REQUIRE(p.wheels.run(enable{}));
     const auto done =
-        p.all.run(p.lift, take_over{disable{}, y::set_input{y::input::x0, y::input_function::home}});
+        p.all.run(p.lift, take_over{disable{}, y::set_input{y::input_terminal::x0, y::input_function::home}});
     CHECK(done);
     CHECK(p.lift.state() == drive_state::disabled);
     CHECK(p.wheels.state() == drive_state::enabled); // was read meanwhile

@@ -288,7 +288,7 @@ TEST_CASE("a polled drive sends nothing but reads that the program did not comma
 TEST_CASE("an open loop motor that an input frees loses its position, and the state says that it is free") {
     polled<open_axis> p;
     REQUIRE(p.drive.run(disable{}));
-    REQUIRE(p.drive.run(set_input{input::x3, input_function::motor_free}));
+    REQUIRE(p.drive.run(set_input{input_terminal::x3, input_function::motor_free}));
     REQUIRE(p.drive.run(enable{}));
     REQUIRE(p.drive.run(declare_position{0 * pulse}));
     p.a.model.set_input(3, true);

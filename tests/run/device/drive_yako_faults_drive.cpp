@@ -75,7 +75,7 @@ TEST_CASE("S4: a homing that is not executed is none, though the axis is homed a
     a.model.attach(simulated::yako_slide());
     REQUIRE(a.drive.run(init{}));
     REQUIRE(a.drive.run(disable{}));
-    REQUIRE(a.drive.run(set_input{input::x3, input_function::stop}));
+    REQUIRE(a.drive.run(set_input{input_terminal::x3, input_function::stop}));
     REQUIRE(a.drive.run(enable{}));
     REQUIRE(a.drive.run(declare_position{0 * pulse}));
     REQUIRE(a.drive.run(set_homing_profile{60 * r_per_min, 30 * r_per_min}));
@@ -106,7 +106,7 @@ TEST_CASE("S4: a move that the drive ignores because a stop input is active is r
     closed_axis a;
     REQUIRE(a.drive.run(init{}));
     REQUIRE(a.drive.run(disable{}));
-    REQUIRE(a.drive.run(set_input{input::x3, input_function::stop}));
+    REQUIRE(a.drive.run(set_input{input_terminal::x3, input_function::stop}));
     REQUIRE(a.drive.run(enable{}));
     a.model.set_input(3, true);
     a.run(10);
@@ -123,7 +123,7 @@ TEST_CASE("S4: a save or factory reset that the drive acknowledges and ignores, 
         closed_axis a;
         REQUIRE(a.drive.run(init{}));
         REQUIRE(a.drive.run(disable{}));
-        REQUIRE(a.drive.run(set_input{input::x3, input_function::jog_positive}));
+        REQUIRE(a.drive.run(set_input{input_terminal::x3, input_function::jog_positive}));
         REQUIRE(a.drive.run(enable{}));
         const std::uint32_t before = a.wire.requests();
         if (is_reset) {
@@ -300,7 +300,8 @@ TEST_CASE("4.1: a jog is not interrupted by a move, which acts in positioning on
     take_homed(a);
     REQUIRE(a.drive.run(velocity{60 * r_per_min}));
     const std::size_t before = a.sent(start_relative_frame);
-    CHECK(a.drive.run(relative_move{.way = 100 * pulse, .then = while_moving::interrupt}).error() == errc::busy);
+    CHECK(a.drive.run(relative_move{.way = 100 * pulse, .then = while_moving::interrupt}).error() ==
+          errc::busy);
     CHECK(a.sent(start_relative_frame) == before);
     REQUIRE(a.drive.run(halt{}));
     REQUIRE(a.drive.run(move_by{50'000 * pulse, gentle}));

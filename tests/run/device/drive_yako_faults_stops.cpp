@@ -288,7 +288,7 @@ TEST_CASE("5.4: a set_input_move that is interrupted at any frame leaves the old
             closed_axis a;
             take(a);
             REQUIRE(a.drive.run(disable{}));
-            REQUIRE(a.drive.run(set_input{input::x3, input_function::position_move}));
+            REQUIRE(a.drive.run(set_input{input_terminal::x3, input_function::position_move}));
             REQUIRE(a.drive.run(enable{}));
             REQUIRE(a.drive.run(declare_position{30 * pulse}));
             const set_input_move by_40{40 * pulse, brisk, relative};

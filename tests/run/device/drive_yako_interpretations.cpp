@@ -47,7 +47,7 @@ template <class A> void take_homed(A& a) {
 template <class A> void take_with_input(A& a, input_function as) {
     REQUIRE(a.drive.run(init{}));
     REQUIRE(a.drive.run(disable{}));
-    REQUIRE(a.drive.run(set_input{input::x3, as}));
+    REQUIRE(a.drive.run(set_input{input_terminal::x3, as}));
     REQUIRE(a.drive.run(enable{}));
 }
 command_status home_by_24(closed_axis& a) { return a.drive.run(closed_loop::home{homing::home_24}); }

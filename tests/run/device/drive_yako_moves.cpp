@@ -138,7 +138,7 @@ TEST_CASE(
     REQUIRE(o.drive.run(declare_position{0 * pulse}));
     // An input that frees the motor has the same effect, if a read shows it.
     REQUIRE(o.drive.run(disable{}));
-    REQUIRE(o.drive.run(set_input{input::x3, input_function::motor_free}));
+    REQUIRE(o.drive.run(set_input{input_terminal::x3, input_function::motor_free}));
     REQUIRE(o.drive.run(enable{}));
     REQUIRE(o.drive.run(declare_position{0 * pulse}));
     o.model.set_input(3, true);
@@ -360,9 +360,9 @@ TEST_CASE("4.4, 4.5: a segment is written in one frame, and only inputs start it
     closed_axis a;
     REQUIRE(a.drive.run(init{}));
     REQUIRE(a.drive.run(disable{}));
-    REQUIRE(a.drive.run(set_input{input::x1, input_function::pt_trigger}));
-    REQUIRE(a.drive.run(set_input{input::x2, input_function::pin0}));
-    REQUIRE(a.drive.run(set_input{input::x3, input_function::pv_trigger}));
+    REQUIRE(a.drive.run(set_input{input_terminal::x1, input_function::pt_trigger}));
+    REQUIRE(a.drive.run(set_input{input_terminal::x2, input_function::pin0}));
+    REQUIRE(a.drive.run(set_input{input_terminal::x3, input_function::pv_trigger}));
     REQUIRE(a.drive.run(set_pv_trigger{pv_trigger::level}));
     REQUIRE(a.drive.run(enable{}));
     for (std::uint16_t n = 1; n <= 16; ++n) {
@@ -423,7 +423,7 @@ TEST_CASE("5.4: an input ends a jog by the move that set_input_move has set") {
     closed_axis a;
     REQUIRE(a.drive.run(init{}));
     REQUIRE(a.drive.run(disable{}));
-    REQUIRE(a.drive.run(set_input{input::x3, input_function::position_move}));
+    REQUIRE(a.drive.run(set_input{input_terminal::x3, input_function::position_move}));
     REQUIRE(a.drive.run(enable{}));
     REQUIRE(a.drive.run(set_input_move{1500 * pulse, brisk}));
     CHECK(a.model.starts() == 0);

@@ -77,13 +77,13 @@ TEST_CASE("5.1: enable and release send the manual's frames; a release first sto
 TEST_CASE("5.2: terminal functions are set only while released; polarity and user outputs are set") {
     open_axis a;
     take(a);
-    CHECK(a.drive.run(set_input{input::x4, input_function::home}).error() == errc::wrong_state);
+    CHECK(a.drive.run(set_input{input_terminal::x4, input_function::home}).error() == errc::wrong_state);
     REQUIRE(a.drive.run(disable{}));
-    REQUIRE(a.drive.run(set_input{input::x6, input_function::stop}));
+    REQUIRE(a.drive.run(set_input{input_terminal::x6, input_function::stop}));
     CHECK(a.model.peek(0x0047) == 5);
     REQUIRE(a.drive.run(open_loop::set_input_polarity{{.x2 = true, .x6 = true}}));
     CHECK(a.model.peek(0x0040) == 0x44);
-    REQUIRE(a.drive.run(set_output{output::y2, output_function::user_2}));
+    REQUIRE(a.drive.run(set_output{output_terminal::y2, output_function::user_2}));
     REQUIRE(a.drive.run(open_loop::set_output_polarity{{.y0 = true}}));
     REQUIRE(a.drive.run(open_loop::set_outputs{{.y2 = true}}));
     CHECK(a.model.output(2));
@@ -92,15 +92,17 @@ TEST_CASE("5.2: terminal functions are set only while released; polarity and use
     CHECK(f->outputs.y2);
     CHECK(f->inputs.x6); // normally closed, and open
     const auto frames = a.requests.size();
-    CHECK(a.drive.run(set_output{output::y0, static_cast<output_function>(7)}).error() == errc::out_of_range);
-    CHECK(a.drive.run(set_output{output::y0, static_cast<output_function>(12)}).error() ==
+    CHECK(a.drive.run(set_output{output_terminal::y0, static_cast<output_function>(7)}).error() ==
           errc::out_of_range);
-    CHECK(a.drive.run(set_input{input::x0, static_cast<input_function>(19)}).error() == errc::out_of_range);
+    CHECK(a.drive.run(set_output{output_terminal::y0, static_cast<output_function>(12)}).error() ==
+          errc::out_of_range);
+    CHECK(a.drive.run(set_input{input_terminal::x0, static_cast<input_function>(19)}).error() ==
+          errc::out_of_range);
     CHECK(a.requests.size() == frames);
     closed_axis c;
     REQUIRE(c.drive.run(init{}));
-    CHECK(c.drive.run(set_input{input::x4, input_function::home}).error() == errc::bad_argument);
-    CHECK(c.drive.run(set_output{output::y2, output_function::alarm}).error() == errc::bad_argument);
+    CHECK(c.drive.run(set_input{input_terminal::x4, input_function::home}).error() == errc::bad_argument);
+    CHECK(c.drive.run(set_output{output_terminal::y2, output_function::alarm}).error() == errc::bad_argument);
 }
 
 TEST_CASE("5.3: both software limits are set in one frame before they are switched on, and act once homed") {

@@ -112,7 +112,7 @@ TEST_CASE("4.3: a homing ends only at standstill, also if an input moves the mot
     a.model.attach(simulated::yako_slide());
     REQUIRE(a.drive.run(init{}));
     REQUIRE(a.drive.run(disable{}));
-    REQUIRE(a.drive.run(set_input{input::x3, input_function::jog_positive}));
+    REQUIRE(a.drive.run(set_input{input_terminal::x3, input_function::jog_positive}));
     REQUIRE(a.drive.run(enable{}));
     REQUIRE(a.drive.run(set_homing_profile{300 * r_per_min, 60 * r_per_min}));
     REQUIRE(a.drive.begin(closed_loop::home{homing::home_24}) == errc::ok);
@@ -156,7 +156,7 @@ TEST_CASE("S4: an absolute set_input_move is refused for an open loop motor that
     open_axis a;
     REQUIRE(a.drive.run(init{}));
     REQUIRE(a.drive.run(disable{}));
-    REQUIRE(a.drive.run(set_input{input::x3, input_function::motor_free}));
+    REQUIRE(a.drive.run(set_input{input_terminal::x3, input_function::motor_free}));
     REQUIRE(a.drive.run(enable{}));
     REQUIRE(a.drive.run(declare_position{0 * pulse}));
     REQUIRE(a.drive.run(set_input_move{700 * pulse, brisk, positioning::absolute}));
@@ -211,7 +211,7 @@ TEST_CASE_TEMPLATE("4.1: a move that ends before its target is reported, and a j
         A a;
         REQUIRE(a.drive.run(init{}));
         REQUIRE(a.drive.run(disable{}));
-        REQUIRE(a.drive.run(set_input{input::x3, input_function::stop}));
+        REQUIRE(a.drive.run(set_input{input_terminal::x3, input_function::stop}));
         REQUIRE(a.drive.run(enable{}));
         REQUIRE((is_jog ? a.drive.begin(velocity{600 * r_per_min})
                         : a.drive.begin(move_by{900 * pulse, brisk})) == errc::ok);

@@ -74,10 +74,10 @@ TEST_CASE("the frames of a YAKO's commands, and what each word that they read de
            "00C3: unexpected_value \" \"");
     expect(frames_of(a, enabled, set_pv_trigger{pv_trigger::rising_edge}),
            "00BA: needs_init \", 0006: - faulted - \" \" \" \", 0051=0001, 0051: unexpected_value");
-    expect(frames_of(a, released, (set_input{input::x2, input_function::stop})),
+    expect(frames_of(a, released, (set_input{input_terminal::x2, input_function::stop})),
            "00BA: needs_init \", 0006: - faulted|busy|wrong_state - \" \" \" \", 0043=0005, "
            "0043: unexpected_value");
-    expect(frames_of(a, released, (set_output{output::y1, output_function::alarm})),
+    expect(frames_of(a, released, (set_output{output_terminal::y1, output_function::alarm})),
            "00BA: needs_init \", 0006: - \" \" \" \" \" \", 004D=0001, 004D: unexpected_value");
     expect(frames_of(a, enabled, (limit_travel{-70'000 * pulse, 70'000 * pulse})),
            "00BA: needs_init \", 0006: - busy - \" \" \" \", 0037=0001 1170 FFFE EE90, "

@@ -91,7 +91,7 @@ TEST_CASE("the frames of a YAKO's homings, holds and waits, and what each word t
            "00BA: needs_init \", 0006: - faulted|busy - \" \" \" \", 003B=0032 0064, "
            "003B: unexpected_value \"");
     const auto released = [](auto& r) { return r.drive.run(init{}) && r.drive.run(disable{}); };
-    expect(frames_of(o, released, (set_input{input::x6, input_function::stop})),
+    expect(frames_of(o, released, (set_input{input_terminal::x6, input_function::stop})),
            "00BA: needs_init \", 0006: - faulted|busy|wrong_state - \" \" \" \", 0047=0005, "
            "0047: unexpected_value");
     expect(frames_of(a, enabled, factory_reset{sole_drive_on_the_line{}}),

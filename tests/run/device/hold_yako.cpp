@@ -430,7 +430,7 @@ TEST_CASE("software limits, limit inputs and stop inputs end it as any move") {
         closed_axis a;
         REQUIRE(a.drive.run(init{}));
         REQUIRE(a.drive.run(disable{}));
-        REQUIRE(a.drive.run(set_input{input::x3, input_function::stop}));
+        REQUIRE(a.drive.run(set_input{input_terminal::x3, input_function::stop}));
         REQUIRE(a.drive.run(enable{}));
         CHECK(repeat(a, at_60, at_60.every, 500).failures == 0);
         a.model.set_input(3, true);

@@ -27,7 +27,7 @@ template <class A> struct move_that_is_cut_short {
         const motion_profile by{10 * r_per_min, 100 * millisecond, 100 * millisecond, 600 * r_per_min};
         REQUIRE(axis.drive.run(init{}));
         REQUIRE(axis.drive.run(disable{}));
-        REQUIRE(axis.drive.run(set_input{input::x3, input_function::stop}));
+        REQUIRE(axis.drive.run(set_input{input_terminal::x3, input_function::stop}));
         REQUIRE(axis.drive.run(enable{}));
         REQUIRE(axis.drive.run(move_by{ordered * pulse, by}));
         REQUIRE(axis.drive.begin(wait_standstill{}) == errc::ok);
@@ -80,7 +80,7 @@ TEST_CASE_TEMPLATE(
             A a;
             REQUIRE(a.drive.run(init{}));
             REQUIRE(a.drive.run(disable{}));
-            REQUIRE(a.drive.run(set_input{input::x3, input_function::stop}));
+            REQUIRE(a.drive.run(set_input{input_terminal::x3, input_function::stop}));
             REQUIRE(a.drive.run(enable{}));
             a.model.set_input(3, is_ignored);
             const std::int64_t before = a.model.view().shaft;

@@ -250,7 +250,7 @@ TEST_CASE("G34: a YAKO that an input or a software limit stops says so as the ca
         y::closed_loop::drive drive{on, 1};
         REQUIRE(drive.run(init{}));
         REQUIRE(drive.run(disable{}));
-        REQUIRE(drive.run(y::set_input{y::input::x3, y::input_function::stop}));
+        REQUIRE(drive.run(y::set_input{y::input_terminal::x3, y::input_function::stop}));
         REQUIRE(drive.run(enable{}));
         REQUIRE(drive.run(declare_position{0 * pulse}));
         return disturb(machine, drive, on, wire);

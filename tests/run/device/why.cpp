@@ -183,7 +183,7 @@ TEST_CASE("why: a YAKO's command names the register that the program must set fi
     CHECK(commands::refusal_of(move_by{10 * pulse}, off).error == errc::wrong_state);
     CHECK(commands::refusal_of(move_by{10 * pulse}, off).states == set_of({enabled}));
     off.state = enabled;
-    const refusal free_first = commands::refusal_of(set_input{input::x0, input_function::home}, off);
+    const refusal free_first = commands::refusal_of(set_input{input_terminal::x0, input_function::home}, off);
     CHECK(free_first.error == errc::wrong_state);
     CHECK(free_first.states == set_of({disabled}));
 

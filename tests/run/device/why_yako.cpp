@@ -200,12 +200,12 @@ TEST_CASE("YAKO: terminals, limits and communication") {
     for (unsigned i = 0; i < rounds; ++i) {
         b.draw();
         const bool closed = b.known.is_closed_loop;
-        const auto in = static_cast<input>(b.pick.below(8));
+        const auto in = static_cast<input_terminal>(b.pick.below(8));
         const auto in_as = b.pick.code<input_function>(0, 18);
         b.of.judge(set_input{in, in_as}, b.known,
                    {rule::index(number(in), 0, closed ? 3 : 6),
                     code_rule(0x0041 + number(in), number(in_as), 0, 18)});
-        const auto out = static_cast<output>(b.pick.below(4));
+        const auto out = static_cast<output_terminal>(b.pick.below(4));
         const auto out_as = b.pick.code<output_function>(0, 11);
         const long o = number(out_as);
         b.of.judge(set_output{out, out_as}, b.known,

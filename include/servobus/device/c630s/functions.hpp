@@ -128,9 +128,9 @@ template <class Kind> struct terminal_set {
 };
 
 /// P0B-03, P0B-41, P0D-18, P30-04: DI1 to DI8. Some ranges have a ninth bit [errata C11].
-using inputs = terminal_set<struct input>;
+using inputs = terminal_set<struct input_terminal>;
 /// P0B-05, P0B-42, P0D-19, P31-04: DO1 to DO6. Some ranges have five bits only [errata C11].
-using outputs = terminal_set<struct output>;
+using outputs = terminal_set<struct output_terminal>;
 /// P0C-10, P31-00: VDI1 to VDI16.
 using virtual_inputs = terminal_set<struct virtual_input>;
 /// P0C-12, P17-32: VDO1 to VDO16.

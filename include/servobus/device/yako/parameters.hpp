@@ -6,7 +6,7 @@
 // servobus/device/yako.hpp includes it. Source: manual V2.6.0, chapters 2 and 5, sections 4.3 to 4.5.
 //
 //     if (!axis.run(init{}) || !axis.run(disable{})) return 1; // `set_input` needs a free shaft
-//     if (!axis.run(yako::set_input{yako::input::x0, yako::input_function::home})) return 1;
+//     if (!axis.run(yako::set_input{yako::input_terminal::x0, yako::input_function::home})) return 1;
 //     if (!axis.run(yako::set_homing_profile{200 * r_per_min, 20 * r_per_min})) return 1;
 //     if (!axis.run(limit_travel{-500 * pulse, 40'000 * pulse})) return 1; // once it is homed
 //     if (!axis.run(yako::save{})) return 1;                                     // in the EEPROM
@@ -164,16 +164,16 @@ struct set_input_move {
     }
 };
 
-enum class input : std::uint8_t { x0, x1, x2, x3, x4, x5, x6 }; ///< closed loop: up to X3
-enum class output : std::uint8_t { y0, y1, y2 };                ///< closed loop: up to Y1
+enum class input_terminal : std::uint8_t { x0, x1, x2, x3, x4, x5, x6 }; ///< closed loop: up to X3
+enum class output_terminal : std::uint8_t { y0, y1, y2 };                ///< closed loop: up to Y1
 
 /// What an input does, 0041h..0047h; while the motor is released, so that an input that is active starts
 /// nothing. Section 5.2.
 struct set_input {
-    input terminal;
+    input_terminal terminal;
     input_function as;
     constexpr prepared_command prepare(const cached_settings& cached) const {
-        const input last = cached.is_closed_loop ? input::x3 : input::x6;
+        const input_terminal last = cached.is_closed_loop ? input_terminal::x3 : input_terminal::x6;
         const errc wrong = terminal > last ? errc::bad_argument : detail::in_range<x0_function>(as);
         prepared_command o = detail::set_word(routines::set_input, static_cast<std::uint16_t>(as), wrong,
                                               cached, requirement::standing | requirement::released);
@@ -184,10 +184,10 @@ struct set_input {
 
 /// What an output shows, 004Ch..004Eh. Section 5.2.
 struct set_output {
-    output terminal;
+    output_terminal terminal;
     output_function as;
     constexpr prepared_command prepare(const cached_settings& cached) const {
-        const output last = cached.is_closed_loop ? output::y1 : output::y2;
+        const output_terminal last = cached.is_closed_loop ? output_terminal::y1 : output_terminal::y2;
         const bool has_meaning = as <= output_function::brake || as >= output_function::user_0;
         const errc wrong = terminal > last ? errc::bad_argument
                            : !has_meaning  ? errc::out_of_range

@@ -78,7 +78,7 @@ struct wire_inputs {
         std::uint16_t at = 0;
         const command_status how = all.each([&](std::size_t i, std::uint16_t function) {
             at = address(i);
-            return run(set_input{static_cast<input>(i), static_cast<input_function>(function)});
+            return run(set_input{static_cast<input_terminal>(i), static_cast<input_function>(function)});
         });
         return how ? how : how.at_terminal(at);
     }
@@ -105,7 +105,8 @@ struct wire_outputs {
         const wired<output_function> all[]{y0, y1, y2};
         for (unsigned i = 0; i < 3; ++i) {
             if (all[i].word() == wired<output_function>::as_it_is) continue;
-            const set_output one{static_cast<output>(i), static_cast<output_function>(all[i].word())};
+            const set_output one{static_cast<output_terminal>(i),
+                                 static_cast<output_function>(all[i].word())};
             if (const command_status how = run(one); !how)
                 return how.at_terminal(static_cast<std::uint16_t>(y0_function.address + i));
         }
