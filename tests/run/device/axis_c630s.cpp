@@ -352,4 +352,81 @@ TEST_CASE("a drive whose reference units are worth something else is not taken o
     }
 }
 
+TEST_CASE("soft limits: a place beyond one is refused before a frame is sent, and the end is named") {
+    for (const axis& of : {ram, turned}) {
+        rig r{of};
+        r.enable_for(places);
+        REQUIRE(r.drive.run(limit_travel{-2_mm, 20_mm}));
+        CHECK(r.drive.run(move_to{20_mm, quick}, wait_reached{}));
+        CHECK(r.drive.run(move_to{-2_mm, quick}, wait_reached{}));
+        const std::int64_t there = r.units();
+        const std::size_t frames = r.requests.size();
+        constexpr axis_move_to above{20.001_mm, quick}, below{-2.001_mm, quick};
+        CHECK(r.drive.begin(above) == errc::out_of_range);
+        CHECK(r.drive.end_passed_by(above) == c630s::travel_end::highest);
+        CHECK(r.drive.begin(below) == errc::out_of_range);
+        CHECK(r.drive.end_passed_by(below) == c630s::travel_end::lowest);
+        CHECK(r.drive.end_passed_by(move_to{20_mm, quick}) == c630s::travel_end::none);
+        CHECK(r.requests.size() == frames);
+        CHECK(r.units() == there);
+        // They hold over an init, and others replace them.
+        REQUIRE(r.drive.run(disable{}));
+        r.enable_for(places);
+        CHECK(r.drive.run(above).error() == errc::out_of_range);
+        REQUIRE(r.drive.run(limit_travel{-2_mm, 30_mm}));
+        CHECK(r.drive.run(above, wait_reached{}));
+    }
+}
+
+TEST_CASE("soft limits: a way is refused by where the drive is when it would start, and starts nothing") {
+    rig r{ram, c630s::encoder_counts::unknown, {.feedback = {}, .command_timeout = no_command_timeout}};
+    r.enable_for(ways);
+    REQUIRE(r.drive.run(limit_travel{-2_mm, 20_mm}));
+    CHECK(r.drive.run(move_by{15_mm, quick}, wait_reached{}));
+    CHECK(r.units() == 30'000);
+    CHECK(r.drive.run(move_by{5.001_mm, quick}).error() == errc::out_of_range);
+    REQUIRE(r.drive.read());
+    CHECK(r.drive.end_passed_by(move_by{5.01_mm, quick}) == c630s::travel_end::highest);
+    CHECK(r.drive.end_passed_by(move_by{-17.01_mm, quick}) == c630s::travel_end::lowest);
+    CHECK(r.units() == 30'000);
+    CHECK(r.drive.run(move_by{5_mm, quick}, wait_reached{}));
+    CHECK(r.units() == 40'000);
+    // A segment of the drive's own is a move too.
+    REQUIRE(r.drive.run(c630s::axis_segment{3, 1_mm, 50_mm_per_s, 50_ms}));
+    CHECK(r.drive.run(c630s::start_segment{3}).error() == errc::out_of_range);
+    CHECK(r.units() == 40'000);
+    CHECK(r.drive.run(move_by{-40_mm, quick}).error() == errc::out_of_range);
+    CHECK(r.drive.run(move_by{-22_mm, quick}, wait_reached{}));
+    CHECK(r.units() == -4'000);
+}
+
+TEST_CASE("soft limits: a speed has no end, so an axis with limits has none") {
+    rig r{ram};
+    REQUIRE(r.drive.run(init{}));
+    REQUIRE(r.drive.run(c630s::set_up{}));
+    r.model.power_cycle();
+    REQUIRE(r.drive.run(init{}));
+    CHECK(r.drive.begin(limit_travel{2_mm, 2_mm}) == errc::bad_argument);
+    CHECK(r.drive.begin(limit_travel{3_mm, 2_mm}) == errc::bad_argument);
+    CHECK(r.drive.begin(limit_travel{0_mm, 600_m}) == errc::out_of_range);
+    REQUIRE(r.drive.run(enable{}));
+    CHECK(r.drive.run(velocity{10_mm_per_s}));
+    REQUIRE(r.drive.run(halt{}));
+    REQUIRE(r.drive.run(limit_travel{-2_mm, 20_mm}));
+    CHECK(r.drive.run(velocity{10_mm_per_s}).error() == errc::bad_argument);
+    CHECK(r.drive.run(velocity{10_r_per_min}).error() == errc::bad_argument);
+    CHECK(r.drive.run(c630s::jog{10 * units::r_per_min}).error() == errc::bad_argument);
+    CHECK(r.drive.state() == drive_state::enabled);
+}
+
+TEST_CASE("soft limits: those whose command was not answered are not set") {
+    rig r{ram};
+    r.enable_for(places);
+    r.wire.faults().lost_response = 1000;
+    CHECK_FALSE(r.drive.run(limit_travel{-2_mm, 20_mm}));
+    r.wire.faults() = {};
+    r.enable_for(places);
+    CHECK(r.drive.run(move_to{25_mm, quick}, wait_reached{}));
+}
+
 } // namespace axis_c630s_tests

@@ -37,7 +37,7 @@ template <class Model> class command_end {
         if constexpr (!polling<Model>::has_watchdog)
             note_end_of_motion(r, was_stop || kind == command_kind::take_over);
         const owner by = slot_.end(now);
-        const bool is_judged = !r && done[r.step()].what == step::kind::confirm;
+        const bool is_judged = !r && done[r.step()].asks_model();
         const bool moves = Model::kinds.has_motion() && Model::kinds.moves(slot_.command().then);
         slot_.command().steps = no_steps; // the model puts in what follows
         const bool is_done = static_cast<bool>(r);

@@ -18,6 +18,7 @@
 #include <servobus/control/axis_commands.hpp>
 #include <servobus/control/axis_facade.hpp>
 #include <servobus/device/c630s/drive.hpp>
+#include <servobus/device/c630s/soft_limits.hpp>
 
 namespace servobus::c630s {
 
@@ -42,7 +43,10 @@ enum class encoder_counts : std::uint32_t {
 struct axis_command : servobus::axis_command<prepared_command> {
     using servobus::axis_command<prepared_command>::axis_command;
 
-    bool starts = false; ///< the segment that it sets is started then
+    bool starts = false;   ///< the segment that it sets is started then
+    std::int32_t target{}; ///< where that ends, if `is_place`
+    bool is_place = false;
+    soft_limits limits{}; ///< that it sets, or none
 };
 
 /// The model of a drive that moves an axis.
@@ -56,6 +60,7 @@ class axis_model : public model {
     constexpr axis_place& place() { return place_; }
     constexpr const axis_place& place() const { return place_; }
     constexpr void set_encoder(encoder_counts of) { encoder_ = of; }
+    constexpr const soft_limits& limits() const { return limits_; }
 
     constexpr void note(const block_feedback& r, const settings& known) {
         if (r.block == position_block)
@@ -64,6 +69,21 @@ class axis_model : public model {
     static constexpr prepared_command stop_for(stop_priority priority, const settings& known,
                                                bool has_watchdog_expired) {
         return model::stop_for(priority, known, has_watchdog_expired);
+    }
+    /// Nothing ends a speed or a run of segments at a limit: the drive has none, and the line may be lost.
+    constexpr errc admit(prepared_command& c, duration lost) {
+        const bool is_endless = kinds[c.then] == command_kind::endless_motion || kinds.moves(c.then);
+        if (limits_.are_set() && is_endless) return errc::bad_argument;
+        if (c.starts && c.is_place && limits_.passed_by(c.target) != travel_end::none)
+            return errc::out_of_range;
+        return model::admit(c, lost);
+    }
+    /// Any move, once it has read from where it goes.
+    constexpr errc permit(const prepared_command& c, const situation& now, const settings& known) const {
+        const errc found = model::permit(c, now, known);
+        if (found != errc::ok) return found;
+        const bool is_beyond = limits_.passed_by(target_of(now.words, known)) != travel_end::none;
+        return is_beyond ? errc::out_of_range : errc::ok;
     }
     /// A drive whose reference units are worth something else than the program says is not taken over.
     constexpr errc learn(prepared_command& c, const ending& e, settings& known) {
@@ -78,6 +98,7 @@ class axis_model : public model {
         }
         const prepared_command was = c;
         c.starts = c.carries = false;
+        c.limits = {};
         const errc found = model::learn(c, e, known);
         if (!e.is_done || found != errc::ok) return found;
         if (was.then == effect::taken_over) {
@@ -92,6 +113,8 @@ class axis_model : public model {
             return c.refusal;
         } else if (was.carries) {
             place_.keep(was.rest);
+        } else if (was.limits.are_set()) {
+            limits_ = was.limits;
         }
         return errc::ok;
     }
@@ -109,6 +132,7 @@ class axis_model : public model {
     }
 
     axis_place place_{};
+    soft_limits limits_{};
     encoder_counts encoder_ = encoder_counts::unknown;
     drive_state found_ = drive_state::needs_init; // by `init`
 };
@@ -174,8 +198,11 @@ constexpr axis_command move_on_axis(const result<std::int32_t>& counts, const ax
 /// `bad_argument` without a profile, or with another one; `out_of_range`.
 constexpr axis_command plan_on_axis(const axis_move_to& wanted, const axis_place& at,
                                     const cached_settings& known) {
-    return detail::move_on_axis(at.geometry().counts_of(wanted.place), wanted.by, displacement_type::absolute,
-                                at, known);
+    const result<std::int32_t> counts = at.geometry().counts_of(wanted.place);
+    axis_command c = detail::move_on_axis(counts, wanted.by, displacement_type::absolute, at, known);
+    c.target = counts.value_or(0);
+    c.is_place = true;
+    return c;
 }
 /// As `move_to`, where segments are ways.
 constexpr axis_command plan_on_axis(const axis_move_by& wanted, const axis_place& at,
@@ -193,6 +220,26 @@ constexpr axis_command plan_on_axis(const axis_velocity& wanted, const axis_plac
     const auto to = detail::speed_on(at.geometry(), wanted.target);
     axis_command c = prepare(motor_velocity{speed{to.value}}, known);
     c.refusal = detail::first_error(to.error, c.refusal);
+    return c;
+}
+
+/// Limits the travel of the axis by software. The drive has no such limits: the library refuses each move that would end
+/// beyond one (`out_of_range`; `axis_drive::end_passed_by` has which), also the start of a segment, and each speed
+/// (`bad_argument`): nothing would end it at the limit. A place is refused before anything is sent, a way once the drive's
+/// position has been read. The limits hold until others are set, also over an `init`; they count from the drive's home,
+/// as places do. The command reads the status of the drive. Errors: `bad_argument` if `lowest` is not below `highest`;
+/// `out_of_range` beyond 1073741824 reference units.
+constexpr axis_command plan_on_axis(const limit_travel<micrometres>& wanted, const axis_place& at,
+                                    const cached_settings& known) {
+    const axis& on = at.geometry();
+    const std::int64_t one = on.counts_of(wanted.lowest).value_or(soft_limits::beyond);
+    const std::int64_t other = on.counts_of(wanted.highest).value_or(soft_limits::beyond);
+    const bool is_known = soft_limits::widest.contains(one) && soft_limits::widest.contains(other);
+    axis_command c = read_status{}.prepare(known);
+    c.then = effect::none;
+    c.refusal = detail::first_error(c.refusal, wanted.lowest < wanted.highest ? errc::ok : errc::bad_argument,
+                                    is_known ? errc::ok : errc::out_of_range);
+    c.limits = soft_limits{one < other ? range{one, other} : range{other, one}};
     return c;
 }
 
@@ -216,6 +263,22 @@ template <class Line> class axis_drive : public axis_facade<basic_drive<Line, ax
                encoder_counts = encoder_counts::unknown) = delete; // it is referred to
     axis_drive(Line&, const servobus::node<device>&, const axis&&, const supervision& = without_watchdog,
                encoder_counts = encoder_counts::unknown) = delete;
+
+    /// The end of the travel beyond which a move ends: asked after it was refused by `out_of_range`. `none` where it is
+    /// refused for something else. A way counts from where the axis is, by the last feedback.
+    constexpr travel_end end_passed_by(const axis_move_to& move) const { return end_beyond(move.place); }
+    constexpr travel_end end_passed_by(const axis_move_by& move) const {
+        return end_beyond(this->model().place().length() + move.way);
+    }
+
+  private:
+    constexpr travel_end end_beyond(micrometres place) const {
+        const axis& on = this->geometry();
+        const travel_end e =
+            this->model().limits().passed_by(on.counts_of(place).value_or(soft_limits::beyond));
+        if (!on.is_mirrored() || e == travel_end::none) return e;
+        return e == travel_end::lowest ? travel_end::highest : travel_end::lowest;
+    }
 };
 template <class Line>
 axis_drive(Line&, std::uint8_t, const axis&, const supervision& = without_watchdog,

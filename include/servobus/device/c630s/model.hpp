@@ -171,6 +171,12 @@ class model {
 
     constexpr std::uint16_t conflict() const { return rivals_.conflict(); }
     constexpr const motion_under_way& motion() const { return motion_; }
+    /// Where a move ends, by the words that it reads before its start.
+    static constexpr std::int32_t target_of(slice<const std::uint16_t> words, const settings& known) {
+        motion_under_way next{};
+        begin_move(next, words, known);
+        return next.missing_at(0).count();
+    }
 
   private:
     constexpr errc conclude(prepared_command& c, slice<const std::uint16_t> words, settings& known) {
