@@ -14,6 +14,7 @@
 
 #include <servobus/core/cxx20.hpp>
 
+#include <servobus/any_device.hpp>
 #include <servobus/axis/axis.hpp>
 #include <servobus/axis/differential.hpp>
 #include <servobus/control/axis_commands.hpp>

@@ -22,8 +22,8 @@
 namespace servobus {
 
 namespace detail {
-// A command keeps one type for all lengths, one for all speeds of an axis, one for all pulses, one for all times. A speed
-// of a motor stays as it was written: its drive converts it (`in_units_of`).
+// A command keeps one type for all lengths, one for all speeds of an axis, one for all pulses, one for all times. A
+// speed of a motor stays as it was written: its drive converts it (`in_units_of`).
 template <class T> struct kept_type { using type = T; };
 template <unit U, class Rep> struct kept_type<quantity<U, Rep>> {
     template <class Kept> static constexpr auto exactly() {
