@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Firmware that has common words of its own at global scope, and uses the words of the library and all namespaces of
-// devices: each of the words is still the firmware's.
+// Firmware that has common words of its own at global scope. It uses the words of the library and all namespaces of
+// devices, and each common word is still its own.
 #include <servobus/bus/scheduled_line.hpp>
 #include <servobus/device/c630s.hpp>
 #include <servobus/device/c630s/axis_drive.hpp>

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// The names that a program writes, and no others. Names for the authors of devices, drives and ports stay in servobus,
-// where they do not meet those of firmware: `reg`, `at`, `step`, `bus`, `field`, `list`. Programs include it beside the
+// The names that a program writes, and no others. Names for the authors of devices, drives and ports stay in servobus:
+// `reg`, `at`, `step`, `bus`, `field`, `list`. There they do not meet those of firmware. Programs include it beside the
 // headers of their devices.
 //
 //     using namespace servobus::words;

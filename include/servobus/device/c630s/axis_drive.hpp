@@ -224,11 +224,11 @@ constexpr axis_command plan_on_axis(const axis_velocity& wanted, const axis_plac
 }
 
 /// Limits the travel of the axis by software, which the drive cannot. The library refuses each move that would end
-/// beyond a limit, also the start of a segment (`out_of_range`; `axis_drive::end_passed_by` names the limit). It refuses
-/// each speed (`bad_argument`): nothing would end it there. A place is refused before anything is sent, a way once the
-/// drive's position has been read. The limits hold until others are set, also over an `init`. They count from the
-/// drive's home, as places do. The command reads the status of the drive. Errors: `bad_argument` if `lowest` is not
-/// below `highest`; `out_of_range` beyond 1073741824 reference units.
+/// beyond a limit, also the start of a segment (`out_of_range`; `axis_drive::end_passed_by` names the limit). It
+/// refuses each speed (`bad_argument`): nothing would end it there. A place is refused before anything is sent, a way
+/// once the drive's position has been read. The limits hold until others are set, also over an `init`. They count
+/// from the drive's home, as places do. The command reads the status of the drive. Errors: `bad_argument` if `lowest`
+/// is not below `highest`; `out_of_range` beyond 1073741824 reference units.
 constexpr axis_command plan_on_axis(const limit_travel<micrometres>& wanted, const axis_place& at,
                                     const cached_settings& known) {
     const axis& on = at.geometry();
