@@ -36,13 +36,14 @@ using servobus::errc, servobus::outcome, servobus::result, servobus::status, ser
 using namespace servobus::literals;
 
 // commands of all drives
+using servobus::after_enable, servobus::setpoint_loop, servobus::setpoints, servobus::take_over,
+    servobus::with_fault_reset;
 using servobus::by_plan, servobus::no_command_timeout, servobus::supervision, servobus::unsupervised;
 using servobus::command_status, servobus::drive_state;
 using servobus::declare_position, servobus::hold, servobus::limit_travel, servobus::move_by,
     servobus::move_to, servobus::velocity;
 using servobus::disable, servobus::enable, servobus::fault_reset, servobus::halt, servobus::init,
     servobus::quick_stop, servobus::read_feedback, servobus::wait_reached, servobus::wait_standstill;
-using servobus::setpoint_loop, servobus::setpoints, servobus::take_over, servobus::with_fault_reset;
 
 // several on a line
 using servobus::controlled, servobus::cyclic, servobus::make_bus, servobus::poll_plan,

@@ -347,6 +347,9 @@ int main() {
     (void)formats;
     servobus::setpoint_loop lift{stepper, servobus::take_over{servobus::disable{}}};
     (void)lift;
+    servobus::setpoint_loop homed{stepper, servobus::take_over{servobus::disable{}}, servobus::enable{},
+                                  servobus::after_enable{yako::open_loop::home{yako::homing::home_24}}};
+    homed.command();
     (void)request_27;
     (void)request_28;
     (void)request_29;

@@ -78,6 +78,10 @@ loop_part loops(zlac8015d::drive<wire>& wheels, yako::closed_loop::drive<wire>& 
     wheels.line().sleep(driven.step());
     setpoint_loop moved{lift, take_over{disable{}}};
     if (moved.begin(move_by{500 * pulse}) != errc::ok && moved.reset_faults()) (void)moved.halt();
+    setpoint_loop homed{lift, take_over{disable{}}, enable{},
+                        after_enable{yako::closed_loop::home{yako::homing::home_24}, read_feedback{}}};
+    homed.command();
+    if (homed.begin(move_by{500 * pulse}) != errc::ok) (void)homed.halt();
     return driven.take_report().what;
 }
 

@@ -28,6 +28,7 @@ enum class loop_part : std::uint8_t {
     command,     ///< which the program has begun through the loop
     stop,        ///< which the program has asked for
     permission, ///< to move, which a fault, a wired stop or a loss has ended; the drive's state and cause say which
+    after_enable, ///< the commands between an enable and motion: the end of the last, or of the one that failed
 };
 
 constexpr const char* text(loop_part p) {
@@ -40,6 +41,7 @@ constexpr const char* text(loop_part p) {
     case loop_part::command: return "command";
     case loop_part::stop: return "stop";
     case loop_part::permission: return "permission to move";
+    case loop_part::after_enable: return "after enable";
     }
     return "unknown";
 }
@@ -47,7 +49,7 @@ constexpr const char* text(loop_part p) {
 /// An end that the program has not been told yet. It is true if there is one.
 struct loop_report {
     loop_part what = loop_part::none;
-    command_status how{}; ///< of a take-over also its part and setting
+    command_status how{}; ///< of a take-over also its part and setting; of `after_enable` `setting()`, from 1
 
     constexpr explicit operator bool() const { return what != loop_part::none; }
 };

@@ -16,8 +16,11 @@
 
 #include <concepts>
 #include <cstdint>
+#include <type_traits>
 
+#include <servobus/control/after_enable.hpp>
 #include <servobus/control/common_commands.hpp>
+#include <servobus/control/detail/after_enable_progress.hpp>
 #include <servobus/control/detail/loop_reports.hpp>
 #include <servobus/control/loop_report.hpp>
 #include <servobus/control/motor_drive.hpp>
@@ -57,20 +60,39 @@ struct no_setpoints {
 /// begun again, so that the command timeout stops the drive. The next setpoint of the program moves it again. Like
 /// every facade it is not a safety function.
 ///
+/// The commands of an `after_enable`, such as a homing, run before motion is allowed. The consent to the enable covers
+/// them: **the machine moves then**. Meanwhile `begin` returns `busy` and no setpoint is begun. A setpoint that is
+/// given before their end is never begun. Whatever ends that motion is allowed ends these commands too, and so does
+/// the first of them that fails. `loop_part::after_enable` is reported then, but not for a stop of the program.
+///
+///     setpoint_loop loop{lift, take_over{disable{}}, enable{}, after_enable{home{homing::home_24}}};
+///
 /// The list of the take-over runs again after each loss, and once in `retry` until it succeeds. Put no `save{}` in it,
 /// which would wear the drive's EEPROM. Each attempt without a response doubles that time, up to 10 s.
-template <motor_drive Drive, class TakeOver, class Enable = servobus::enable, class Setpoints = no_setpoints>
+template <motor_drive Drive, class TakeOver, class Enable = servobus::enable, class Setpoints = no_setpoints,
+          detail::list_after_enable AfterEnable = after_enable<>>
 class setpoint_loop {
+    static_assert(!detail::list_after_enable<Enable> && !detail::list_after_enable<Setpoints>,
+                  "after_enable{...} comes right after the enable: take_over{}, enable{}, after_enable{...}, "
+                  "setpoints<>{}");
     static_assert(!TakeOver::resets_faults,
                   "a loop resets faults by consent: reset_faults(), not with_fault_reset{} in its take-over");
     static constexpr bool has_setpoints = !std::same_as<Setpoints, no_setpoints>;
+    static constexpr bool has_list = AfterEnable::size != 0; // after the enable
     using setpoint = typename Setpoints::command;
+    using list_progress =
+        std::conditional_t<has_list, detail::after_enable_progress, detail::nothing_after_enable>;
 
   public:
     /// `retry`: from one attempt to take the drive over to the next, while the drive responds.
     constexpr explicit setpoint_loop(Drive& drive, const TakeOver& list, const Enable& how = {},
                                      const Setpoints& times = {}, duration retry = milliseconds(1000))
         : drive_{&drive}, list_{list}, enable_{how}, times_{times}, retry_{retry}, wait_{retry} {}
+    /// `then`: after each enable, before motion is allowed.
+    constexpr setpoint_loop(Drive& drive, const TakeOver& list, const Enable& how, const AfterEnable& then,
+                            const Setpoints& times = {}, duration retry = milliseconds(1000))
+        : drive_{&drive}, list_{list}, enable_{how}, then_{then}, times_{times}, retry_{retry}, wait_{retry} {
+    }
     setpoint_loop(const setpoint_loop&) = delete; // a consent is used once
     setpoint_loop& operator=(const setpoint_loop&) = delete;
 
@@ -90,9 +112,10 @@ class setpoint_loop {
     // --- What the program wants
 
     /// Consents once to energise the drive and to move it then. It waits for a take-over that is under way. A loss, a
-    /// fault, a stop, or a take-over that fails withdraws it. Without effect while motion is allowed already.
+    /// fault, a stop, or a take-over that fails withdraws it. Without effect while motion is allowed already, and while
+    /// the commands of `after_enable` run.
     constexpr void enable() {
-        if (may_move_) return;
+        if (may_move_ || progress_.is_under_way()) return;
         may_enable_ = true;
         is_set_ = false;
     }
@@ -117,6 +140,11 @@ class setpoint_loop {
         if (may_move<detail::model_of_drive<Drive>, Wanted> && !may_move_) return errc::wrong_state;
         const command_status refusal = drive_->begin(wanted);
         if (refusal) asked_ = loop_part::command;
+        if constexpr (has_list) {
+            using model = detail::model_of_drive<Drive>;
+            if (refusal)
+                progress_.note_command(may_move<model, Wanted>, detail::changes_power<model, Wanted>());
+        }
         return refusal;
     }
 
@@ -149,28 +177,61 @@ class setpoint_loop {
     static constexpr bool shows_stop(errc e) {
         return e == errc::not_executed || e == errc::not_reached || e == errc::stopped_short;
     }
+    constexpr bool is_unable() const { return seen_ != drive_state::enabled || is_held(); }
+    constexpr errc why_unable() const {
+        return seen_ == drive_state::needs_init ? errc::needs_init
+               : seen_ == drive_state::faulted  ? errc::faulted
+                                                : errc::wrong_state;
+    }
     constexpr void watch() {
         const drive_state before = seen_;
         seen_ = drive_->state();
         const bool is_lost = is_taken_over_ && seen_ == drive_state::needs_init;
         if (is_lost) is_taken_over_ = false;
-        if (may_move_ && (seen_ != drive_state::enabled || is_held())) end_motion();
+        if constexpr (has_list) {
+            if ((may_move_ || progress_.is_under_way() || progress_.is_done()) && is_unable()) end_list();
+        } else {
+            if (may_move_ && (seen_ != drive_state::enabled || is_held())) end_motion();
+        }
         if (is_lost || (seen_ == drive_state::faulted && before != drive_state::faulted)) withdraw();
     }
     constexpr void end_motion() {
         withdraw();
-        const errc why = seen_ == drive_state::needs_init ? errc::needs_init
-                         : seen_ == drive_state::faulted  ? errc::faulted
-                                                          : errc::wrong_state;
-        (void)reports_.note({.what = loop_part::permission, .how = why});
+        (void)reports_.note({.what = loop_part::permission, .how = why_unable()});
     }
-    constexpr void withdraw() { may_enable_ = may_reset_ = may_move_ = is_set_ = false; }
+    constexpr void withdraw() {
+        may_enable_ = may_reset_ = may_move_ = is_set_ = false;
+        progress_.withdraw();
+    }
     constexpr void allow_motion() { may_move_ = is_due_ = true; }
+    // The drive is energised by a consent.
+    constexpr void go_on() {
+        if constexpr (has_list) {
+            if (!progress_.is_done()) return progress_.begin();
+        }
+        allow_motion();
+    }
+    // The drive is not as the list needs it or has left it. The end of a command that is under way is reported later.
+    constexpr void end_list() {
+        const bool is_between = progress_.is_under_way() && asked_ != loop_part::after_enable;
+        progress_.invalidate();
+        if (may_move_) return end_motion();
+        if (is_between) (void)fail_list(why_unable());
+    }
+    // A newer consent is withdrawn too: it was given before the failure was known.
+    constexpr bool fail_list(const command_status& how) {
+        withdraw();
+        return reports_.note({loop_part::after_enable, progress_.numbered(how)});
+    }
 
     template <class Stop> constexpr command_status stop_by(const Stop& wanted) {
+        if constexpr (has_list) progress_.note_stop(std::same_as<Stop, servobus::halt>, asked_);
         withdraw();
         const command_status refusal = drive_->begin(wanted);
         if (refusal) asked_ = loop_part::stop;
+        if constexpr (has_list) {
+            if (!refusal) progress_.invalidate();
+        }
         return refusal;
     }
 
@@ -189,12 +250,34 @@ class setpoint_loop {
             return false;
         }
         if (ended == loop_part::setpoint && shows_stop(how.error())) withdraw();
+        if constexpr (has_list) {
+            if (ended == loop_part::enable && progress_.is_checking()) return conclude_check(how);
+        }
         if (ended == loop_part::enable) conclude_enable(static_cast<bool>(how));
+        if constexpr (has_list) {
+            if (ended == loop_part::after_enable) return conclude_listed(how);
+            progress_.note_end(ended, how, shows_stop(how.error()));
+        }
         return reports_.note({.what = ended, .how = how});
+    }
+    constexpr bool conclude_check(const command_status& how) {
+        progress_.end_check(static_cast<bool>(how));
+        if (how && (may_enable_ || !is_unable())) return false; // it is enabled next, if the consent lasts
+        may_enable_ = false;
+        return reports_.note({.what = loop_part::enable, .how = how ? command_status{why_unable()} : how});
+    }
+    constexpr bool conclude_listed(const command_status& how) {
+        if (!how) return fail_list(how);
+        if (!progress_.is_under_way()) // it was withdrawn meanwhile, and a newer consent begins the list anew
+            return reports_.note({loop_part::after_enable, progress_.numbered(why_unable())});
+        if (!progress_.advance(AfterEnable::size)) return false;
+        is_set_ = false;
+        allow_motion();
+        return reports_.note({.what = loop_part::after_enable});
     }
     // A stop that the drive refused meanwhile has withdrawn the consent all the same.
     constexpr void conclude_enable(bool is_done) {
-        if (may_enable_ && is_done && seen_ == drive_state::enabled) allow_motion();
+        if (may_enable_ && is_done && seen_ == drive_state::enabled) go_on();
         may_enable_ = false;
     }
     // The line worked, and the drive sent nothing.
@@ -232,6 +315,9 @@ class setpoint_loop {
             may_reset_ = false;
             return;
         }
+        if constexpr (has_list) {
+            if (progress_.is_under_way()) return begin_listed();
+        }
         if (may_enable_) return begin_enable();
         if constexpr (has_setpoints) {
             if (may_move_ && is_set_) begin_setpoint(at);
@@ -250,9 +336,26 @@ class setpoint_loop {
             may_enable_ = asked_ == loop_part::enable; // until it has ended
             return;
         }
+        if constexpr (has_list) {
+            if (progress_.is_check_due()) return begin_check();
+        }
         may_enable_ = false;
-        allow_motion(); // it is energised, as after a halt
+        go_on(); // it is energised, as after a halt
         (void)reports_.note({.what = loop_part::enable});
+    }
+    // The list is left out only for a drive whose feedback shows no fault and no restart now, also if nothing polls it.
+    constexpr void begin_check() {
+        start(read_feedback{}, loop_part::enable);
+        may_enable_ = asked_ == loop_part::enable;
+        if (may_enable_) progress_.begin_check();
+    }
+    constexpr void begin_listed() {
+        const command_status refusal = then_.template apply<Drive>(
+            progress_.index(), [this](const auto& listed) { return drive_->begin(listed); });
+        if (refusal)
+            asked_ = loop_part::after_enable;
+        else
+            (void)fail_list(refusal);
     }
     constexpr void begin_setpoint(instant at) {
         if (since(set_at_, at) > times_.lasts) {
@@ -277,6 +380,7 @@ class setpoint_loop {
     Drive* drive_;
     [[no_unique_address]] TakeOver list_;
     [[no_unique_address]] Enable enable_;
+    [[no_unique_address]] AfterEnable then_{};
     Setpoints times_;
     [[no_unique_address]] setpoint setpoint_{};
     duration retry_;
@@ -288,6 +392,7 @@ class setpoint_loop {
     detail::loop_reports reports_{};
     loop_part asked_ = loop_part::none; // under way, or its end is not concluded
     drive_state seen_ = drive_state::needs_init;
+    [[no_unique_address]] list_progress progress_{};
     bool has_tried_ = false;
     bool is_taken_over_ = false;
     bool may_enable_ = false; // a consent that is not used up, or whose enable is under way
@@ -296,5 +401,12 @@ class setpoint_loop {
     bool is_set_ = false; // since the last consent, and not too old
     bool is_due_ = false; // the first setpoint, which waits for no period
 };
+template <class Drive, class TakeOver, class Enable, class... Commands, class Setpoints = no_setpoints>
+setpoint_loop(Drive&, const TakeOver&, const Enable&, const after_enable<Commands...>&, const Setpoints& = {},
+              duration = {}) -> setpoint_loop<Drive, TakeOver, Enable, Setpoints, after_enable<Commands...>>;
+// In the wrong order, for the error above.
+template <class Drive, class TakeOver, class Enable, class Setpoints, class... Commands>
+setpoint_loop(Drive&, const TakeOver&, const Enable&, const Setpoints&, const after_enable<Commands...>&)
+    -> setpoint_loop<Drive, TakeOver, Enable, after_enable<Commands...>>;
 
 } // namespace servobus

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Keeps commands of several types in their order. control/take_over.hpp includes it.
+// Keeps commands of several types in their order. control/take_over.hpp and control/after_enable.hpp include it.
 #pragma once
 
 #include <servobus/core/cxx20.hpp>
