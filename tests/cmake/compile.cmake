@@ -4,6 +4,7 @@
 # Programs that must not compile, a test for each, and the page that is made of them. A test passes if the compiler prints
 # an error, and a line of it has the words after EXPECT. Where nothing that the program includes has changed since it was
 # compiled, its error is printed again (fail/as_before.sh). Where figures are expected too, fail/programs.py looks for both.
+# fail.sizes judges the errors that were printed: nothing is compiled for it.
 file(GLOB wrong_programs CONFIGURE_DEPENDS RELATIVE ${CMAKE_CURRENT_SOURCE_DIR}/fail fail/*.cpp)
 list(REMOVE_ITEM wrong_programs control.cpp)
 separate_arguments(given_flags NATIVE_COMMAND "${CMAKE_CXX_FLAGS}")
@@ -25,15 +26,24 @@ endif()
 
 # tests/run.sh compiles one program for each sentence that is expected, and .ci/run all.
 set(sentences)
+set(fail_tests)
 check(headers.firmware LABELS compile fast COMMAND ${compiler} -fsyntax-only -Wall -Wextra -Werror tests/firmware.cpp)
 check(fail.control LABELS compile fast COMMAND ${compiler} -fsyntax-only -Wall -Wextra -Werror tests/fail/control.cpp)
 foreach(program IN LISTS wrong_programs)
   get_filename_component(name ${program} NAME_WE)
   file(STRINGS fail/${program} expected REGEX "^// EXPECT: ")
   file(STRINGS fail/${program} figures REGEX "^// FIGURES: ")
+  set(flags ${fail_flags})
+  file(STRINGS fail/${program} is_alone REGEX "^// ALONE")
+  if(NOT is_alone)
+    list(APPEND flags ${fail_before})
+  endif()
+  set(compiled sh tests/fail/as_before.sh ${fail_folder}/${name} ${compiler} ${flags})
+  list(APPEND fail_tests fail.${name})
   if(figures OR NOT expected)
     check(fail.${name} LABELS compile fast
-          COMMAND ${Python3_EXECUTABLE} -B tests/fail/programs.py refused tests/fail/${program} ${compiler} -fsyntax-only)
+          COMMAND ${Python3_EXECUTABLE} -B tests/fail/programs.py refused tests/fail/${program} ${compiled})
+    set_tests_properties(fail.${name} PROPERTIES FIXTURES_REQUIRED fail_header)
     continue()
   endif()
   string(REPLACE "// EXPECT: " "" expected "${expected}")
@@ -43,15 +53,14 @@ foreach(program IN LISTS wrong_programs)
   endif()
   list(APPEND sentences "${expected}")
   string(REGEX REPLACE "([][+.*()^$?|\\\\])" "\\\\\\1" expected "${expected}")
-  set(flags ${fail_flags})
-  file(STRINGS fail/${program} is_alone REGEX "^// ALONE")
-  if(NOT is_alone)
-    list(APPEND flags ${fail_before})
-  endif()
-  check(fail.${name} LABELS ${labels}
-        COMMAND sh tests/fail/as_before.sh ${fail_folder}/${name} ${compiler} ${flags} tests/fail/${program})
+  check(fail.${name} LABELS ${labels} COMMAND ${compiled} tests/fail/${program})
   set_tests_properties(fail.${name} PROPERTIES FIXTURES_REQUIRED fail_header
                        PASS_REGULAR_EXPRESSION
                        "error: (.*\n[^\n]*(error|note|in call to|expansion of|static assertion))?[^\n]*${expected}")
 endforeach()
+if(NOT given_flags) # others than the usual ones may add warnings
+  check(fail.sizes LABELS compile
+        COMMAND ${Python3_EXECUTABLE} -B tests/fail/programs.py sizes --of ${fail_folder} ${CMAKE_CXX_COMPILER})
+  set_tests_properties(fail.sizes PROPERTIES DEPENDS "${fail_tests}")
+endif()
 check(fail.page LABELS compile docs fast COMMAND ${Python3_EXECUTABLE} -B tests/fail/programs.py page --check)

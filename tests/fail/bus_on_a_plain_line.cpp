@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSL-1.0
 //
 // A bus on a line that does not ask it: requests of others would pass by the bus.
-// EXPECT: the line of a bus is a scheduled_line, in place of a line
+// EXPECT: a bus has a scheduled_line, not a line
 // MEND: scheduled_line wire{port, plan.timing()};
 #include <servobus/device/zlac8015d.hpp>
 

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSL-1.0
 //
 // A read of several registers, one of another device.
-// EXPECT: this register belongs to another device
+// EXPECT: a read has registers of one device
 // MEND: (void)drive.read<zlac::bus_voltage, zlac::status_word>();
 #include "program.hpp"
 

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSL-1.0
 //
 // A write of several registers, one of another device.
-// EXPECT: a write has registers of one device
+// EXPECT: this register belongs to another device
 // MEND: (void)drive.write<zlac::left_max_speed, zlac::right_max_speed>(1, 1);
 #include "program.hpp"
 

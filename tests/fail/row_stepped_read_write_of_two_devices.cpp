@@ -6,16 +6,16 @@
 // MEND: servobus::stepped_write_then_read<some_basin, servobus::rows<basin::options>, basin::ramp> both{io};
 #include "basin.hpp"
 
-namespace other {
+namespace stranger {
 struct device {
-    static constexpr servobus::profile facts{.name = "other"};
+    static constexpr servobus::profile facts{.name = "stranger"};
 };
 inline constexpr servobus::reg<servobus::u16, servobus::access::ro, device> level{
     0x0010, servobus::full<servobus::u16>, servobus::no_unit, 0};
-} // namespace other
+} // namespace stranger
 
 int main() {
     some_basin io;
-    servobus::stepped_write_then_read<some_basin, servobus::rows<other::level>, basin::ramp> both{io};
+    servobus::stepped_write_then_read<some_basin, servobus::rows<stranger::level>, basin::ramp> both{io};
     (void)both.begin(5); // wrong
 }

@@ -35,7 +35,7 @@ class bus : detail::cyclic_reads<Plan, Line, Drives...> {
     using reads::drives_;
     using reads::line_;
     using plan_type = std::remove_cvref_t<decltype(Plan)>;
-    static_assert(detail::is_scheduled<Line>, "the line of a bus is a scheduled_line, in place of a line");
+    static_assert(detail::is_scheduled<Line>, "a bus has a scheduled_line, not a line");
     static_assert(sizeof...(Drives) == Plan.drives,
                   "a bus has the controlled drives of its plan, in their order, and no others");
 

@@ -58,7 +58,8 @@ template <class... Entries> class poll_plan {
         numbers next{};
         // No fold expression: clang++ takes at most 256 entries in one.
         [[maybe_unused]] const bool added[] = {add(all, next)...};
-        detail::check_plan(*this);
+        const detail::plan_fault why = detail::fault_of(*this);
+        detail::refuse(why);
     }
 
     constexpr const modbus::rtu_timing& timing() const { return timing_; }

@@ -32,6 +32,10 @@ inline void a_plan_states_the_supervision_itself() {}
 inline void requests_have_a_period_of_half_an_hour_at_most() {}
 inline void a_request_has_1_to_125_registers() {}
 inline void a_node_of_a_plan_has_an_address_that_its_device_can_have() {}
+// No part of the template: of a template that cannot be constant g++ says first that it is no constexpr function.
+constexpr void check_one_frame(bool is_one_frame) {
+    if (!is_one_frame) a_cyclic_read_is_one_frame_of_adjacent_rows_of_a_table();
+}
 } // namespace detail
 
 /// A cyclic read as the bus sees it: one request to one node.
@@ -87,7 +91,7 @@ template <const auto&... Rs, device_class Device>
 consteval cyclic_read<Rs...> cyclic(const node<Device>& at, duration period) {
     static_assert((belongs_to<typename row_type<Rs>::device, Device> && ...),
                   "this register belongs to another device");
-    if (!readings<Rs...>::is_one_frame) detail::a_cyclic_read_is_one_frame_of_adjacent_rows_of_a_table();
+    detail::check_one_frame(readings<Rs...>::is_one_frame);
     if (period == duration{} || period > longest_period)
         detail::a_cyclic_read_has_a_period_of_half_an_hour_at_most();
     if (!at.is_valid()) detail::a_node_of_a_plan_has_an_address_that_its_device_can_have();

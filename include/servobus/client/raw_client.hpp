@@ -38,10 +38,6 @@ template <class Line, device_class Device, class Node>
 class raw_client : protected detail::node_link<Line, Device, Node> {
     using link = detail::node_link<Line, Device, Node>;
     friend struct detail::open_responses<raw_client>;
-    static_assert(!is_fixed<Node> || Line::is_small,
-                  "a fixed_node is for a blocking_line; on a line the figures of a node can be changed");
-    static_assert(Device::facts.max_read <= modbus::max_read && Device::facts.max_write <= modbus::max_write,
-                  "a frame has room for 125 registers that are read, and for 123 that are written");
 
   public:
     using link::line;
@@ -235,6 +231,8 @@ class raw_client : protected detail::node_link<Line, Device, Node> {
         if constexpr (Line::is_small) {
             return run<IsBroadcast>(exchange_for<IsBroadcast>::trusted(request, response, node_.limits,
                                                                        is_single, node_.priority));
+        } else if constexpr (is_fixed<Node>) {
+            return errc::bad_argument; // the assertion of the client is the only error
         } else {
             constexpr bool is_host = !detail::is_small_core;
             if constexpr (is_host)

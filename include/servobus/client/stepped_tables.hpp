@@ -256,7 +256,9 @@ class stepped_write_then_read : public detail::stepped_table_request<typename Cl
 
   public:
     // cppcheck-suppress uninitMemberVar ; a request fills it, and a small core has no memset
-    constexpr explicit stepped_write_then_read(Client& of) : base{base::link_of(of)} {}
+    constexpr explicit stepped_write_then_read(Client& of) : base{base::link_of(of)} {
+        write_plan<Ws...>::check();
+    }
 
     /// Begins to write the registers `Ws`, and to read those of `Reads` after that. Errors: as of a write.
     constexpr status begin(register_value<Ws>... values) {

@@ -116,7 +116,7 @@ requires(sizeof...(Rs) > 1 && !(is_bit<Rs> || ...)) class stepped_put<Client, We
                   "this register belongs to another device");
 
   public:
-    constexpr explicit stepped_put(Client& of) : base{base::link_of(of)} {}
+    constexpr explicit stepped_put(Client& of) : base{base::link_of(of)} { plan::check(); }
 
     /// Begins to write adjacent registers in one frame: all or nothing. Errors: as of one register.
     constexpr status begin(register_value<Rs>... values) {

@@ -89,6 +89,11 @@ template <class Model, class Line> class facade {
     template <class Wanted> [[gnu::always_inline]] constexpr command_status begin(const Wanted& wanted) {
         return begin_own(commands::in_units_of_drive<settings>(wanted));
     }
+    /// Does not compile, and the error is the command's own: it is several commands.
+    template <commands::made_of_commands Wanted> constexpr command_status begin(const Wanted& wanted) {
+        (void)commands::prepared(wanted, valid_settings());
+        return {};
+    }
 
     /// Moves on without waiting: the command under way, the feedback that is due, the checks of the
     /// supervisors. Returns a time during which no further step is needed unless a byte arrives.

@@ -23,7 +23,20 @@ inline void the_row_is_not_one_of_this_block() {}
 
 /// Rows in address order, without a gap, of at most 11 registers.
 template <const auto&... Rows> class image_of {
-    static constexpr step read = steps::fetch<Rows...>();
+    static constexpr bool are_adjacent() {
+        const extent rows[]{{Rows.address, static_cast<std::uint16_t>(row_type<Rows>::words)}...};
+        return detail::are_adjacent(rows, sizeof...(Rows));
+    }
+    static constexpr step step_of() {
+        if constexpr (are_adjacent()) {
+            return steps::fetch<Rows...>();
+        } else { // the assertion is the only error
+            step one{};
+            one.count = 1;
+            return one;
+        }
+    }
+    static constexpr step read = step_of();
 
     static constexpr std::uint8_t place_at(std::uint16_t address) {
         if (((Rows.address != address) && ...)) detail::the_row_is_not_one_of_this_block();
@@ -34,6 +47,10 @@ template <const auto&... Rows> class image_of {
     static constexpr register_block block{read.address, read.count};
     /// The word at which the row begins.
     template <const auto& Row> static constexpr std::uint8_t place_of = place_at(Row.address);
+
+  private:
+    // Last: clang++ has no member that follows a failed assertion, and would print an error for each that is used.
+    static_assert(are_adjacent(), "a_step_is_of_adjacent_registers");
 };
 
 } // namespace servobus

@@ -40,15 +40,6 @@ inline void a_constant_of_two_words_needs_the_word_order_of_the_profile() {}
 inline void bits_of_a_step_lie_in_one_word_of_its_register() {}
 inline void a_step_compares_16_bits_of_registers_of_one_word() {}
 
-constexpr void check_slot(const step& s) {
-    if (s.what == step::kind::write && s.count > max_arguments) a_step_writes_at_most_6_words();
-    if (s.what == step::kind::fetch) {
-        if (s.slot + s.count > max_words) a_step_fetches_into_the_routine_s_16_words();
-    } else if (s.slot < step::pair && s.slot + s.count > max_arguments) {
-        a_step_takes_its_words_from_the_6_arguments();
-    }
-}
-
 // Takes the rows' data and not their types: fewer instances for the compiler.
 constexpr step make_of(step::kind what, std::uint8_t slot, const extent* rows, std::size_t count,
                        std::size_t most) {
@@ -56,6 +47,12 @@ constexpr step make_of(step::kind what, std::uint8_t slot, const extent* rows, s
     std::size_t words = 0;
     for (std::size_t i = 0; i < count; ++i) words += rows[i].words;
     if (words > most || words > longest) a_step_is_one_short_frame();
+    if (what == step::kind::write && words > max_arguments) a_step_writes_at_most_6_words();
+    if (what == step::kind::fetch) {
+        if (slot + words > max_words) a_step_fetches_into_the_routine_s_16_words();
+    } else if (slot < step::pair && slot + words > max_arguments) {
+        a_step_takes_its_words_from_the_6_arguments();
+    }
     const step s{.what = what,
                  .is_repeatable = false,
                  .is_after_stop = false,
@@ -69,11 +66,10 @@ constexpr step make_of(step::kind what, std::uint8_t slot, const extent* rows, s
                  .value = 0,
                  .mask = 0xFFFF,
                  .limit_ms = 0};
-    check_slot(s);
     return s;
 }
 template <class T, access A, class D> constexpr extent extent_of(const reg<T, A, D>& row) {
-    (void)servobus::detail::is_sound(row);
+    servobus::detail::check_row(row);
     return {row.address, servobus::detail::words_in<T>};
 }
 template <class... Rows> constexpr step make(step::kind what, std::uint8_t slot, const Rows&... rows) {
@@ -135,8 +131,9 @@ constexpr void put_bits(step& s, std::uint32_t mask, std::uint32_t value) {
     s.mask = static_cast<std::uint16_t>(mask);
     s.value = static_cast<std::uint16_t>(value);
 }
-template <const auto&... Rs> constexpr void check_single_words() {
-    if ((is_pair<Rs> || ...)) a_step_compares_16_bits_of_registers_of_one_word();
+// No template: of one that breaks the rule g++ says first that it is no constexpr function.
+constexpr void check_single_words(bool has_pair) {
+    if (has_pair) a_step_compares_16_bits_of_registers_of_one_word();
 }
 template <const auto& R> consteval bool may_start(std::uint32_t bits) {
     if constexpr (has(R.flags, flag::trigger | flag::motion)) {
@@ -200,7 +197,7 @@ consteval step expect(detail::constant_of<R> value, errc otherwise = errc::unexp
 /// Requires that adjacent registers hold zero in the bits of `mask`. A mask is for registers of one word.
 template <const auto&... Rs>
 consteval step expect_zero(errc otherwise = errc::unexpected_value, std::uint16_t mask = 0xFFFF) {
-    if (mask != 0xFFFF) detail::check_single_words<Rs...>();
+    if (mask != 0xFFFF) detail::check_single_words((detail::is_pair<Rs> || ...));
     step s = detail::make(step::kind::expect, step::constant, Rs...);
     s.otherwise = otherwise;
     s.mask = mask;
@@ -236,7 +233,7 @@ consteval step until_bits(std::uint32_t mask, std::uint32_t value, std::uint16_t
     if constexpr (sizeof...(Rs) == 1 && (detail::is_pair<Rs> && ...)) {
         (detail::put_bits_of_pair(s, mask, value, detail::fixed_order<Rs>), ...);
     } else {
-        detail::check_single_words<Rs...>();
+        detail::check_single_words((detail::is_pair<Rs> || ...));
         detail::put_bits(s, mask, value);
     }
     s.limit_ms = limit_ms;
@@ -249,7 +246,7 @@ consteval step until_bits(std::uint32_t mask, std::uint32_t value, std::uint16_t
 template <const auto&... Rs>
 consteval step until_within(std::uint16_t most, std::uint16_t limit_ms, errc otherwise = errc::not_reached) {
     step s = detail::make(step::kind::until, step::constant, Rs...);
-    detail::check_single_words<Rs...>();
+    detail::check_single_words((detail::is_pair<Rs> || ...));
     s.value = most;
     s.is_within = true;
     s.limit_ms = limit_ms;
@@ -260,7 +257,7 @@ consteval step until_within(std::uint16_t most, std::uint16_t limit_ms, errc oth
 /// Requires that signed registers of one word are at most `most` away from zero.
 template <const auto&... Rs> consteval step expect_within(std::uint16_t most, errc otherwise) {
     step s = detail::make(step::kind::expect, step::constant, Rs...);
-    detail::check_single_words<Rs...>();
+    detail::check_single_words((detail::is_pair<Rs> || ...));
     s.value = most;
     s.is_within = true;
     s.otherwise = otherwise;

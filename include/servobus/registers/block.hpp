@@ -121,10 +121,6 @@ using kept_word_order =
 /// The result of reading the registers `Rs`: their words, from which `get` decodes the value of each
 /// register.
 template <const auto&... Rs> class readings {
-    static_assert((!is_register_array<Rs> && ...), "an element of an array is a row by name: at<rows, i>");
-    static_assert(detail::same_device<Rs...>::value, "a read has registers of one device");
-    static_assert(((row_type<Rs>::rights != access::wo) && ...), "this register is write-only");
-    static_assert(!read_plan<Rs...>.overlaps, "a read names each register once");
 
   public:
     static constexpr const auto& plan = read_plan<Rs...>;
@@ -164,6 +160,12 @@ template <const auto&... Rs> class readings {
   private:
     u16 words_[plan.words];
     [[no_unique_address]] detail::kept_word_order<typename detail::same_device<Rs...>::device> word_order_{};
+
+    // Last: clang++ has no member that follows a failed assertion, and would print an error for each that is used.
+    static_assert((!is_register_array<Rs> && ...), "an element of an array is a row by name: at<rows, i>");
+    static_assert(detail::same_device<Rs...>::value, "a read has registers of one device");
+    static_assert(((row_type<Rs>::rights != access::wo) && ...), "this register is write-only");
+    static_assert(!read_plan<Rs...>.overlaps, "a read names each register once");
 };
 
 /// The value of register `R` in the result of `read<...>()`: the free twin of `readings::get`.
@@ -186,11 +188,17 @@ template <const auto&... Rs> struct write_plan {
     static constexpr extent rows[]{{Rs.address, static_cast<u16>(row_type<Rs>::words)}...};
     static constexpr u16 words = static_cast<u16>((row_type<Rs>::words + ...));
 
-    static_assert(detail::same_device<Rs...>::value, "a write has registers of one device");
-    static_assert(detail::are_adjacent(rows, sizeof...(Rs)),
-                  "a write of several registers is one frame: they must be adjacent and in address order");
-    static_assert(words <= detail::same_device<Rs...>::device::facts.max_write,
-                  "more registers than this device takes in one write");
+    static constexpr bool are_adjacent = detail::are_adjacent(rows, sizeof...(Rs));
+
+    /// No assertions of the class: clang++ has no class where one has failed, and prints an error for each use.
+    static constexpr void check() {
+        static_assert(detail::same_device<Rs...>::value, "a write has registers of one device");
+        static_assert(
+            are_adjacent,
+            "a write of several registers is one frame: they must be adjacent and in address order");
+        static_assert(words <= detail::same_device<Rs...>::device::facts.max_write,
+                      "more registers than this device takes in one write");
+    }
 };
 
 } // namespace servobus

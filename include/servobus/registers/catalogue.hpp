@@ -153,7 +153,7 @@ template <class T> constexpr value_kind kind_of() {
 template <class T, access A, class D>
 constexpr entry list(label name, const reg<T, A, D>& row, naming names = naming::number,
                      std::span<const named_value> values = {}) {
-    detail::is_sound(row);
+    detail::check_row(row);
     return {row.address, name,        detail::kind_of<T>(), A,
             row.limits,  row.initial, row.unit_of_count,    row.flags,
             names,       values};

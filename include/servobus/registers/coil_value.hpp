@@ -19,7 +19,6 @@ namespace servobus {
 template <const auto& R>
 requires is_bit<R>
 class register_value<R> {
-    static_assert(table_of<R> == table::coils && row_type<R>::rights != access::ro, "this bit is read-only");
 
   public:
     using value_type = bool;
@@ -34,6 +33,9 @@ class register_value<R> {
 
   private:
     bool on_ = false;
+
+    // Last: clang++ has no member that follows a failed assertion, and would print an error for each that is used.
+    static_assert(table_of<R> == table::coils && row_type<R>::rights != access::ro, "this bit is read-only");
 };
 
 } // namespace servobus

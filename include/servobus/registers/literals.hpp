@@ -20,15 +20,13 @@
 namespace servobus {
 
 namespace detail {
-// Not constexpr on purpose: a literal that calls one does not compile, and the error names the rule.
-inline void a_quantity_is_a_plain_decimal_such_as_12_5() {}
-inline void a_quantity_has_at_most_4_decimals() {}
-inline void a_quantity_fits_32_bits() {}
-
-/// A decimal: `count` of `parts` parts, a power of ten.
+/// A decimal: `count` of `parts` parts, a power of ten; or why the text is none.
 struct decimal {
+    enum class fault : std::uint8_t { none, no_plain_decimal, too_many_decimals, too_large };
+
     std::int32_t count = 0;
     std::uint16_t parts = 1;
+    fault why = fault::none;
 };
 
 template <std::size_t Size> consteval decimal decimal_of(const char (&text)[Size]) {
@@ -43,24 +41,27 @@ template <std::size_t Size> consteval decimal decimal_of(const char (&text)[Size
             is_octal = false; // 007.5 is a decimal
             continue;
         }
-        if (c < '0' || c > '9') a_quantity_is_a_plain_decimal_such_as_12_5();
+        if (c < '0' || c > '9') return {.why = decimal::fault::no_plain_decimal};
         count = count * 10 + (c - '0');
         if (has_point) parts *= 10;
-        if (count > highest<std::int32_t>) a_quantity_fits_32_bits();
-        if (parts > 1'000'000'000) a_quantity_has_at_most_4_decimals();
+        if (count > highest<std::int32_t>) return {.why = decimal::fault::too_large};
+        if (parts > 1'000'000'000) return {.why = decimal::fault::too_many_decimals};
     }
-    if (is_octal) a_quantity_is_a_plain_decimal_such_as_12_5();
+    if (is_octal) return {.why = decimal::fault::no_plain_decimal};
     while (parts != 1 && count % 10 == 0) {
         count /= 10;
         parts /= 10;
     }
-    if (parts > 10'000) a_quantity_has_at_most_4_decimals();
+    if (parts > 10'000) return {.why = decimal::fault::too_many_decimals};
     return {static_cast<std::int32_t>(count), static_cast<std::uint16_t>(parts)};
 }
 
 // No consteval: clang 14 leaves a call to it in a template. The number is a constant all the same.
 template <unit U, char... Characters> constexpr auto literal_of() {
     constexpr decimal d = decimal_of({Characters...});
+    static_assert(d.why != decimal::fault::no_plain_decimal, "a_quantity_is_a_plain_decimal_such_as_12_5");
+    static_assert(d.why != decimal::fault::too_many_decimals, "a_quantity_has_at_most_4_decimals");
+    static_assert(d.why != decimal::fault::too_large, "a_quantity_fits_32_bits");
     return quantity<U / d.parts, std::int32_t>{d.count};
 }
 } // namespace detail

@@ -130,20 +130,39 @@ template <class T, access Rights, class Device> struct reg {
 };
 
 namespace detail {
-/// Rejects wrong constant rows at compile time: the range must lie in the type, the default in the range.
-template <class T, access Rights, class Device> constexpr bool is_sound(const reg<T, Rights, Device>& row) {
+enum class row_fault : std::uint8_t {
+    none,
+    range_order,
+    range_in_type,
+    default_in_range,
+    unit,
+    last_address
+};
+
+/// The first contradiction of a row: the range must lie in the type, the default in the range.
+template <class T, access Rights, class Device>
+constexpr row_fault fault_of(const reg<T, Rights, Device>& row) {
     static_assert(wire_value<T>, "a register holds an integer of 16 or 32 bits, a 16-bit enumeration or a "
                                  "class that packs one word");
     const shape of = shape_of<T>;
     const range within = row.limits;
-    if (within.low > within.high) a_register_range_is_low_to_high();
-    if (within.low < of.low || within.high > of.high) a_register_range_lies_inside_its_value_type();
-    if (row.initial != no_default && !within.contains(row.initial))
-        a_register_default_lies_inside_its_range();
-    if (row.unit_of_count.of == measure::none && !row.unit_of_count.is_plain())
-        a_scaled_register_has_a_unit();
-    if (row.address > 0x1'0000 - of.words) a_two_word_register_ends_inside_the_address_space();
-    return true;
+    if (within.low > within.high) return row_fault::range_order;
+    if (within.low < of.low || within.high > of.high) return row_fault::range_in_type;
+    if (row.initial != no_default && !within.contains(row.initial)) return row_fault::default_in_range;
+    if (row.unit_of_count.of == measure::none && !row.unit_of_count.is_plain()) return row_fault::unit;
+    if (row.address > 0x1'0000 - of.words) return row_fault::last_address;
+    return row_fault::none;
+}
+/// Rejects a constant row that contradicts itself at compile time.
+template <class T, access Rights, class Device> constexpr void check_row(const reg<T, Rights, Device>& row) {
+    switch (fault_of(row)) {
+    case row_fault::none: return;
+    case row_fault::range_order: return a_register_range_is_low_to_high();
+    case row_fault::range_in_type: return a_register_range_lies_inside_its_value_type();
+    case row_fault::default_in_range: return a_register_default_lies_inside_its_range();
+    case row_fault::unit: return a_scaled_register_has_a_unit();
+    case row_fault::last_address: return a_two_word_register_ends_inside_the_address_space();
+    }
 }
 } // namespace detail
 
@@ -187,12 +206,21 @@ template <class T, access A, class D> struct is_row<reg<T, A, D>> : std::true_ty
 template <class T> struct is_row_array : std::false_type {};
 template <class R, std::size_t N> struct is_row_array<reg_array<R, N>> : std::true_type {};
 
-template <class R, std::size_t N> consteval bool is_sound(const reg_array<R, N>& rows) {
-    return is_sound(rows.first);
+template <class R, std::size_t N> consteval row_fault fault_of(const reg_array<R, N>& rows) {
+    return fault_of(rows.first);
+}
+// An assertion's words are in the first line of the error. One instance serves for all rows without a fault.
+template <row_fault Fault> consteval bool allows_row() {
+    static_assert(Fault != row_fault::range_order, "a_register_range_is_low_to_high");
+    static_assert(Fault != row_fault::range_in_type, "a_register_range_lies_inside_its_value_type");
+    static_assert(Fault != row_fault::default_in_range, "a_register_default_lies_inside_its_range");
+    static_assert(Fault != row_fault::unit, "a_scaled_register_has_a_unit");
+    static_assert(Fault != row_fault::last_address, "a_two_word_register_ends_inside_the_address_space");
+    return true;
 }
 // Each use of a row needs its type, so every row that is used is checked.
 template <const auto& R> struct sound_row {
-    static_assert(is_sound(R));
+    static_assert(allows_row<fault_of(R)>());
     using type = std::remove_cvref_t<decltype(R)>;
 };
 } // namespace detail

@@ -35,17 +35,19 @@ struct share {
     std::uint32_t of = 1;
 };
 
-namespace detail {
-/// Refuses a subject before anything is made of it.
-template <class Subject> struct whole_subject {
-    static_assert(conformance_subject<Subject>, "the subject lacks something: see sim::conformance_subject");
-    using type = Subject;
-};
-} // namespace detail
-
+/// Refuses a subject before anything is made of it, so that the assertion is the only error.
 template <class Subject> class conformance {
-    using subject = typename detail::whole_subject<Subject>::type;
-    using drive_type = typename trial<subject>::drive_type;
+  public:
+    template <class... Arguments> explicit conformance(Arguments...) {}
+
+  private:
+    static_assert(conformance_subject<Subject>, "the subject lacks something: see sim::conformance_subject");
+};
+
+template <class Subject>
+requires conformance_subject<Subject>
+class conformance<Subject> {
+    using drive_type = typename trial<Subject>::drive_type;
     static_assert(motor_drive<drive_type>, "the judges are for a motor_drive");
     static_assert(
         requires(drive_type & d, typename Subject::machine& m) {
@@ -55,7 +57,7 @@ template <class Subject> class conformance {
 
   public:
     /// Each broken promise is reported to it.
-    using report = typename conformance_judge<subject>::report;
+    using report = typename conformance_judge<Subject>::report;
 
     explicit conformance(report to, void* context = nullptr) : player_{to, context} {}
 
@@ -148,8 +150,8 @@ template <class Subject> class conformance {
         return player_.so_far().findings == findings ? at : chosen_requests{};
     }
 
-    conformance_player<subject> player_;
-    conformance_examination<subject> examination_{};
+    conformance_player<Subject> player_;
+    conformance_examination<Subject> examination_{};
 };
 
 } // namespace servobus::sim

@@ -118,42 +118,49 @@ struct busiest_node {
     }
 };
 
-template <class Plan> consteval void check_addresses(const Plan& of) {
+template <class Plan> constexpr plan_fault fault_of_addresses(const Plan& of) {
     bool has_facade[256]{};
     for (std::size_t i = 0; i < Plan::drives; ++i) {
-        bool& has = has_facade[of.controlled[i].address];
-        if (has) a_drive_has_one_facade(of.controlled[i].address);
-        has = true;
+        const std::uint8_t address = of.controlled[i].address;
+        if (has_facade[address]) return {plan_fault::kind::two_facades, {address}};
+        has_facade[address] = true;
     }
     bool has_requests[256]{};
     for (std::size_t i = 0; i < Plan::requested; ++i) {
-        bool& has = has_requests[of.requests[i].address];
-        if (has) the_requests_to_a_node_are_one_entry(of.requests[i].address);
-        has = true;
+        const std::uint8_t address = of.requests[i].address;
+        if (has_requests[address]) return {plan_fault::kind::two_requests, {address}};
+        has_requests[address] = true;
     }
+    return {};
 }
 
-template <class Plan> consteval void check_plan(const Plan& of) {
-    check_addresses(of);
+template <class Plan> constexpr plan_fault fault_of(const Plan& of) {
+    plan_fault why = fault_of_addresses(of);
+    if (why.rule != plan_fault::kind::none) return why;
     const std::uint32_t load = of.load_per_mille();
     if (load > 1000) {
         const busiest_node most{of};
-        the_entries_of_this_plan_do_not_fit_on_the_line(load, most.address, most.per_mille);
+        return {plan_fault::kind::load, {load, most.address, most.per_mille}};
     }
     const request_gaps<Plan> gaps{of};
-    const auto check = [&](std::uint8_t address, const auto& entry, duration own) {
+    const auto judge = [&](std::uint8_t address, const auto& entry, duration own) {
         const duration gap = gaps.of(entry);
-        if (own > longest_period || gap > longest_period)
-            the_times_of_this_plan_are_longer_than_its_clock_can_tell(address, longer_of(own, gap).us);
         const longest_gap v = gaps.judge(entry);
-        if (!v.is_allowed())
-            a_drive_of_this_plan_could_miss_its_keep_alive(address, v.keep_alive.us, v.longest.us,
-                                                           longest_allowed_response(of), gaps.needed(entry));
+        if (own > longest_period || gap > longest_period)
+            why = {plan_fault::kind::too_long, {address, longer_of(own, gap).us}};
+        else if (!v.is_allowed())
+            why = {
+                plan_fault::kind::keep_alive,
+                {address, v.keep_alive.us, v.longest.us, longest_allowed_response(of), gaps.needed(entry)}};
+        return why.rule == plan_fault::kind::none;
     };
-    for (std::size_t i = 0; i < Plan::size; ++i)
-        check(of.polls[i].node_address, of.polls[i], of.polls[i].period);
-    for (std::size_t i = 0; i < Plan::drives; ++i)
-        check(of.controlled[i].address, of.controlled[i], of.controlled[i].by.feedback);
+    for (std::size_t i = 0; i < Plan::size; ++i) {
+        if (!judge(of.polls[i].node_address, of.polls[i], of.polls[i].period)) return why;
+    }
+    for (std::size_t i = 0; i < Plan::drives; ++i) {
+        if (!judge(of.controlled[i].address, of.controlled[i], of.controlled[i].by.feedback)) return why;
+    }
+    return why;
 }
 
 } // namespace servobus::detail

@@ -12,9 +12,11 @@
 
 namespace servobus::detail {
 
+template <class Device, const auto&... Rs>
+inline constexpr bool are_of = (belongs_to<typename row_type<Rs>::device, Device> && ...);
+
 template <class Device, const auto&... Rs> constexpr void check_device() {
-    static_assert((belongs_to<typename row_type<Rs>::device, Device> && ...),
-                  "this register belongs to another device");
+    static_assert(are_of<Device, Rs...>, "this register belongs to another device");
 }
 
 template <const auto& R> constexpr void check_wear() {

@@ -134,6 +134,15 @@ template <class Line, device_class Device, class Node> struct table_calls<client
     static constexpr auto write_then_read(own& of, const register_value<Ws>&... values) {
         using plan = both_plan<Device, Reads, Ws...>;
         plan::check();
+        write_plan<Ws...>::check();
+        if constexpr (plan::are_holding) // else the assertion is the only error
+            return write_then_read_by<plan, Ws...>(of, values...);
+        else
+            return status{};
+    }
+    template <class Plan, const auto&... Ws>
+    static constexpr auto write_then_read_by(own& of, const register_value<Ws>&... values) {
+        using plan = Plan;
         result<typename plan::values> read{status{}};
         std::uint8_t request[plan::request];
         std::uint8_t response[plan::response];

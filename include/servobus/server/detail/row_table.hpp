@@ -93,7 +93,7 @@ template <class Row> constexpr plain_row plain(const Row& r) {
         p.in = pool::bits;
         p.initial = r.initial;
     } else {
-        (void)is_sound(r);
+        check_row(r);
         p.is_pair = Row::words == 2;
         p.in = p.is_pair ? pool::wide : pool::narrow;
         p.low = r.limits.low;

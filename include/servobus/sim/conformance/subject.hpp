@@ -29,8 +29,10 @@ struct any_command_of_a_subject {
 /// What the author of a drive says to the kit. All of it is needed: what a drive cannot do is a function that does
 /// nothing, and is said so by a constant.
 template <class S>
-concept conformance_subject = requires(typename S::machine& m, const typename S::machine& seen,
-                                       detail::any_command_of_a_subject each) {
+concept conformance_subject = requires {
+    typename S::machine;
+}
+&&requires(typename S::machine& m, const typename S::machine& seen, detail::any_command_of_a_subject each) {
     { S::address } -> std::convertible_to<std::uint8_t>;
     { S::baud } -> std::convertible_to<std::uint32_t>;
     { S::interpretations } -> std::convertible_to<unsigned>; // interpretations of the manual, at least 1
