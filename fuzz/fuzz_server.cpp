@@ -87,9 +87,9 @@ class bench {
 
     // A frame to this server, a broadcast or a frame to another node; the fuzzer chooses the PDU.
     reference::byte_list framed(unsigned what) {
-        constexpr std::uint8_t units[] = {node_address, node_address, 0, node_address + 1};
+        constexpr std::uint8_t addresses[] = {node_address, node_address, 0, node_address + 1};
         const bytes pdu = in_->take(1u + in_->byte() % 253u);
-        reference::byte_list body{units[what / 8 % 4]};
+        reference::byte_list body{addresses[what / 8 % 4]};
         body.insert(body.end(), pdu.begin(), pdu.end());
         return reference::framed(body);
     }

@@ -176,7 +176,7 @@ class listener {
   public:
     /// `executes_standard`: it executes all functions that have a length, not only those of registers.
     listener(unsigned node_address, unsigned leading_bytes, bool executes_standard = false)
-        : unit_{node_address}, leading_{leading_bytes}, executes_standard_{executes_standard} {}
+        : address_{node_address}, leading_{leading_bytes}, executes_standard_{executes_standard} {}
 
     /// Receives a byte. Returns the frame that must be executed now, if any.
     std::optional<byte_list> receive(std::uint8_t byte) {
@@ -220,7 +220,8 @@ class listener {
         bool is_after_frame = false;
         for (account& a : accounts_) {
             const growing_frame& f = a.under_way;
-            if (is_frame(f) && f[0] != unit_ && form_of(f[1]) == form::unknown) a = {{}, nothing, a.is_late};
+            if (is_frame(f) && f[0] != address_ && form_of(f[1]) == form::unknown)
+                a = {{}, nothing, a.is_late};
             is_after_frame = is_after_frame || a.under_way.empty();
         }
         if (!is_after_frame) return;
@@ -268,8 +269,8 @@ class listener {
         bool is_late;
     };
 
-    bool is_own(const growing_frame& f) const { return !f.empty() && (f[0] == unit_ || f[0] == 0); }
-    bool is_noise(std::uint8_t byte) const { return byte != unit_ && (byte == 0 || byte == 255); }
+    bool is_own(const growing_frame& f) const { return !f.empty() && (f[0] == address_ || f[0] == 0); }
+    bool is_noise(std::uint8_t byte) const { return byte != address_ && (byte == 0 || byte == 255); }
     bool is_nonsense(const growing_frame& f) const {
         return f.size() == 2 && is_noise(f[0]) && (f[1] == 0 || f[1] > 127);
     }
@@ -400,7 +401,7 @@ class listener {
 
     list<account> accounts_{{{}, anything, false}};
     list<account> next_; // keeps its memory
-    unsigned unit_;
+    unsigned address_;
     unsigned leading_;
     bool executes_standard_;
     unsigned left_out_ = 0; ///< since the last gap; all of them inside a burst

@@ -18,7 +18,7 @@ typedef enum {
     hw_send_failed,
     hw_timeout,
     hw_bad_crc,
-    hw_wrong_unit,
+    hw_wrong_node,
     hw_wrong_function,
     hw_wrong_length,
     hw_wrong_echo,
@@ -81,27 +81,27 @@ static inline size_t hw_close(uint8_t* frame, size_t count) {
     return count + 2;
 }
 
-static inline size_t hw_build_read(uint8_t* frame, uint8_t unit, uint16_t address, uint16_t quantity) {
+static inline size_t hw_build_read(uint8_t* frame, uint8_t node, uint16_t address, uint16_t quantity) {
     if (quantity < 1 || quantity > 125) return 0;
-    frame[0] = unit;
+    frame[0] = node;
     frame[1] = 0x03;
     hw_put_word(frame + 2, address);
     hw_put_word(frame + 4, quantity);
     return hw_close(frame, 6);
 }
 
-static inline size_t hw_build_write(uint8_t* frame, uint8_t unit, uint16_t address, uint16_t value) {
-    frame[0] = unit;
+static inline size_t hw_build_write(uint8_t* frame, uint8_t node, uint16_t address, uint16_t value) {
+    frame[0] = node;
     frame[1] = 0x06;
     hw_put_word(frame + 2, address);
     hw_put_word(frame + 4, value);
     return hw_close(frame, 6);
 }
 
-static inline size_t hw_build_write_many(uint8_t* frame, uint8_t unit, uint16_t address,
+static inline size_t hw_build_write_many(uint8_t* frame, uint8_t node, uint16_t address,
                                          const uint16_t* values, uint16_t quantity) {
     if (quantity < 1 || quantity > 123) return 0;
-    frame[0] = unit;
+    frame[0] = node;
     frame[1] = 0x10;
     hw_put_word(frame + 2, address);
     hw_put_word(frame + 4, quantity);
@@ -111,17 +111,17 @@ static inline size_t hw_build_write_many(uint8_t* frame, uint8_t unit, uint16_t 
 }
 
 // Checks what every response must have: at least 5 bytes, a valid CRC, this address, this function.
-static inline hw_status hw_check(const uint8_t* response, size_t count, uint8_t unit, uint8_t function) {
+static inline hw_status hw_check(const uint8_t* response, size_t count, uint8_t node, uint8_t function) {
     if (count < 5) return hw_wrong_length;
     if (hw_crc16(response, count - 2) != (response[count - 2] | (response[count - 1] << 8))) return hw_bad_crc;
-    if (response[0] != unit) return hw_wrong_unit;
+    if (response[0] != node) return hw_wrong_node;
     if (response[1] == (function | 0x80)) return hw_exception;
     return response[1] == function ? hw_ok : hw_wrong_function;
 }
 
-static inline hw_status hw_parse_read(const uint8_t* response, size_t count, uint8_t unit, uint16_t* words,
+static inline hw_status hw_parse_read(const uint8_t* response, size_t count, uint8_t node, uint16_t* words,
                                       uint16_t quantity) {
-    const hw_status status = hw_check(response, count, unit, 0x03);
+    const hw_status status = hw_check(response, count, node, 0x03);
     if (status != hw_ok) return status;
     if (response[2] != 2 * quantity || count != (size_t)(5 + 2 * quantity)) return hw_wrong_length;
     for (uint16_t i = 0; i < quantity; i++) words[i] = hw_word(response + 3 + 2 * i);
@@ -155,32 +155,32 @@ static inline hw_status hw_exchange(const hw_port* port, const uint8_t* request,
     return hw_ok;
 }
 
-static inline hw_status hw_read(const hw_port* port, uint8_t unit, uint16_t address, uint16_t* words,
+static inline hw_status hw_read(const hw_port* port, uint8_t node, uint16_t address, uint16_t* words,
                                 uint16_t quantity) {
     uint8_t request[8];
     uint8_t response[256];
     size_t got = 0;
-    const size_t count = hw_build_read(request, unit, address, quantity);
+    const size_t count = hw_build_read(request, node, address, quantity);
     if (count == 0) return hw_wrong_length;
     const hw_status status = hw_exchange(port, request, count, response, (size_t)(5 + 2 * quantity), &got);
-    return status == hw_ok ? hw_parse_read(response, got, unit, words, quantity) : status;
+    return status == hw_ok ? hw_parse_read(response, got, node, words, quantity) : status;
 }
 
-static inline hw_status hw_write(const hw_port* port, uint8_t unit, uint16_t address, uint16_t value) {
+static inline hw_status hw_write(const hw_port* port, uint8_t node, uint16_t address, uint16_t value) {
     uint8_t request[8];
     uint8_t response[8];
     size_t got = 0;
-    const size_t count = hw_build_write(request, unit, address, value);
+    const size_t count = hw_build_write(request, node, address, value);
     const hw_status status = hw_exchange(port, request, count, response, 8, &got);
     return status == hw_ok ? hw_parse_write(response, got, request) : status;
 }
 
-static inline hw_status hw_write_many(const hw_port* port, uint8_t unit, uint16_t address,
+static inline hw_status hw_write_many(const hw_port* port, uint8_t node, uint16_t address,
                                       const uint16_t* values, uint16_t quantity) {
     uint8_t request[256];
     uint8_t response[8];
     size_t got = 0;
-    const size_t count = hw_build_write_many(request, unit, address, values, quantity);
+    const size_t count = hw_build_write_many(request, node, address, values, quantity);
     if (count == 0) return hw_wrong_length;
     const hw_status status = hw_exchange(port, request, count, response, 8, &got);
     return status == hw_ok ? hw_parse_write(response, got, request) : status;

@@ -106,7 +106,7 @@ class session {
         check(server_.read_words(0x2002, held).error() == errc::ok && held[0] == 0xBEEF, "17h, raw: written");
     }
 
-    void an_absent_unit() {
+    void an_absent_node() {
         node<plain> at{99};
         at.limits.response = milliseconds(50);
         at.read_retries = 0;
@@ -150,7 +150,7 @@ int main(int, char** words) {
     }
     s.exceptions();
     s.raw();
-    s.an_absent_unit();
+    s.an_absent_node();
     s.write_and_read_back(interop::first + 20, 1, true);
     s.write_and_read_back(interop::first + 21, 1, false);
     s.write_and_read_back(interop::first + 30, 123, false);

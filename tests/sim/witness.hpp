@@ -31,7 +31,7 @@ template <servobus::modbus::register_store Store> class witness {
     template <class... Options>
     witness(const std::uint64_t& transaction, std::uint8_t node_address, std::uint32_t baud,
             Options... options)
-        : store_{options...}, transaction_{&transaction}, baud_{baud}, unit_{node_address} {}
+        : store_{options...}, transaction_{&transaction}, baud_{baud}, address_{node_address} {}
 
     std::uint8_t read(std::uint16_t address, std::span<std::uint16_t> to) {
         const std::uint8_t refusal = store_.read(address, to);
@@ -50,7 +50,7 @@ template <servobus::modbus::register_store Store> class witness {
     void advance(servobus::instant now) {
         if constexpr (requires(Store & s) { s.advance(now); }) store_.advance(now);
     }
-    std::uint8_t address() const { return unit_; }
+    std::uint8_t address() const { return address_; }
     std::uint32_t baud() const { return baud_; }
     servobus::modbus::server_rules rules() const { return servobus::modbus::rules_of(store_); }
     servobus::duration response_delay() const {
@@ -61,7 +61,7 @@ template <servobus::modbus::register_store Store> class witness {
         }
     }
 
-    void set_address(std::uint8_t node_address) { unit_ = node_address; }
+    void set_address(std::uint8_t node_address) { address_ = node_address; }
     void power_cycle() { store_.power_cycle(); }
     std::vector<execution>& executed() { return executed_; }
     /// The store has returned this exception at least once.
@@ -74,7 +74,7 @@ template <servobus::modbus::register_store Store> class witness {
     std::bitset<256> has_refused_;
     const std::uint64_t* transaction_;
     std::uint32_t baud_;
-    std::uint8_t unit_;
+    std::uint8_t address_;
 };
 
 } // namespace trial

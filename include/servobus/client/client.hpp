@@ -480,7 +480,7 @@ class client : public raw_client<Line, Device, Node> {
 };
 
 template <class Line, device_class Device> client(Line&, node<Device>) -> client<Line, Device>;
-template <class Line, device_class Device, std::uint8_t Unit>
-client(Line&, fixed_node<Device, Unit>) -> client<Line, Device, fixed_node<Device, Unit>>;
+template <class Line, device_class Device, std::uint8_t Address>
+client(Line&, fixed_node<Device, Address>) -> client<Line, Device, fixed_node<Device, Address>>;
 
 } // namespace servobus

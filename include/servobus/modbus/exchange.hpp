@@ -92,12 +92,12 @@ class basic_exchange : gathering<std::uint16_t, Lengths> {
         response_ = response.data();
         if (is_sound(request)) {
             size_ = static_cast<std::uint16_t>(request.size());
-            unit_ = request[0];
+            address_ = request[0];
             like_ = like(request[1]);
             length_ = expected_length(request, response.size());
             const bool has_room = length_ <= response.size() && response.size() >= exception_frame;
             // A broadcast has no response, so nothing can be read by one.
-            if (length_ >= min_frame && (unit_ == broadcast ? !has_count(like_) : has_room)) {
+            if (length_ >= min_frame && (address_ == broadcast ? !has_count(like_) : has_room)) {
                 if (!has_room) length_ = 0; // a gateway's refusal of the broadcast has no place
                 same_ = size_;
                 phase_ = phase::ready;
@@ -137,7 +137,7 @@ class basic_exchange : gathering<std::uint16_t, Lengths> {
         length_ = static_cast<std::uint16_t>(response.size());
         count_ = 0;
         phase_ = phase::ready;
-        unit_ = request[0];
+        address_ = request[0];
         like_ = request[1];
         leading_ = 0;
         other_count_ = 0;
@@ -194,8 +194,8 @@ class basic_exchange : gathering<std::uint16_t, Lengths> {
     constexpr std::size_t response_size() const { return length_; }
     /// Bytes of the response that have not arrived.
     constexpr std::size_t missing() const { return static_cast<std::size_t>(length_ - count_); }
-    constexpr std::uint8_t address() const { return unit_; }
-    constexpr bool is_broadcast() const { return unit_ == broadcast; }
+    constexpr std::uint8_t address() const { return address_; }
+    constexpr bool is_broadcast() const { return address_ == broadcast; }
     /// True if any byte of the request may have been on the line.
     constexpr bool was_sent() const { return status_.was_sent(); }
     /// When the request's last bit left; instant 0 before `sent()`.
@@ -318,7 +318,7 @@ class basic_exchange : gathering<std::uint16_t, Lengths> {
     [[gnu::always_inline]] constexpr basic_exchange(trusted_tag, bytes request, byte_buffer response,
                                                     const rtu_timing& timing, const response_limits& limits,
                                                     servobus::priority of)
-        : phase_{phase::ready}, unit_{request[0]}, like_{request[1]}, status_{}, priority_{of},
+        : phase_{phase::ready}, address_{request[0]}, like_{request[1]}, status_{}, priority_{of},
           timing_{&timing}, limits_{&limits} {
         request_ = request.data();
         response_ = response.data();
@@ -496,7 +496,7 @@ class basic_exchange : gathering<std::uint16_t, Lengths> {
 
     // The bytes first, as in the base.
     phase phase_ = phase::done;
-    std::uint8_t unit_ = 0;
+    std::uint8_t address_ = 0;
     std::uint8_t like_ = 0;
     std::uint8_t leading_ = 0;
     servobus::status status_{errc::bad_argument};

@@ -49,12 +49,12 @@ template <class Server> class request_receiver {
   public:
     constexpr request_receiver(std::uint8_t node_address, rtu_timing timing, std::uint8_t leading_bytes = 4,
                                std::uint8_t bad_crc = 0)
-        : timing_{timing}, unit_{node_address}, leading_bytes_{leading_bytes}, bad_crc_{bad_crc},
+        : timing_{timing}, address_{node_address}, leading_bytes_{leading_bytes}, bad_crc_{bad_crc},
           beginning_{at_beginning()} {}
 
     constexpr const rtu_timing& timing() const { return timing_; }
-    constexpr std::uint8_t address() const { return unit_; }
-    constexpr void set_address(std::uint8_t node_address) { unit_ = node_address; }
+    constexpr std::uint8_t address() const { return address_; }
+    constexpr void set_address(std::uint8_t node_address) { address_ = node_address; }
 
     /// Processes bytes that arrived at `now`, the last of them just then: by an interrupt, or in a program that
     /// never stalls. Where they arrived earlier, the time that has passed would count as a gap before them.
@@ -149,7 +149,7 @@ template <class Server> class request_receiver {
     }
 
     // One way to divide the received bytes into frames. `begin` is where the current frame begins. If the
-    // last frame was a read request to another address, `unit` is that address and `byte_count` the count of
+    // last frame was a read request to another address, `node_address` is that address and `byte_count` the count of
     // its response; otherwise `byte_count` is 0. It is `any` while nothing is known of the line: any read
     // response may follow. `has_skipped`: a byte 00 or FF before the frame was skipped, and there is a
     // candidate in which the frame begins with it.
@@ -172,11 +172,11 @@ template <class Server> class request_receiver {
     static constexpr bool has_length(std::uint8_t code) { return response_length(code, 0) != 0; }
 
     constexpr bool is_mine(std::uint8_t node_address) const {
-        return node_address == unit_ || node_address == broadcast;
+        return node_address == address_ || node_address == broadcast;
     }
     constexpr bytes under_way(const candidate& r) const { return bytes{buffer_, count_}.subspan(r.begin); }
     constexpr bool is_glitch(std::uint8_t byte) const {
-        return (byte == 0x00 || byte == 0xFF) && byte != unit_;
+        return (byte == 0x00 || byte == 0xFF) && byte != address_;
     }
     constexpr bool may_skip(std::uint8_t byte) const { return beginning_ > 1 && is_glitch(byte); }
 
@@ -281,7 +281,8 @@ template <class Server> class request_receiver {
 
     // True for a whole frame of unknown length that is not addressed to this server alone.
     constexpr bool ends_with_pause(bytes frame) const {
-        return frame.size() >= min_frame && frame[0] != unit_ && !has_length(frame[1]) && crc16(frame) == 0;
+        return frame.size() >= min_frame && frame[0] != address_ && !has_length(frame[1]) &&
+               crc16(frame) == 0;
     }
 
     // Adds a candidate. Candidates whose current frame begins at the same byte are merged.
@@ -360,7 +361,7 @@ template <class Server> class request_receiver {
     constexpr void end_by_gap() {
         const bytes frame = settle();
         if (frame.empty()) return;
-        if (frame[0] == unit_ || (frame[0] == broadcast && request_length(frame) != 0))
+        if (frame[0] == address_ || (frame[0] == broadcast && request_length(frame) != 0))
             return execute(candidates_[0], frame);
         drop();
     }
@@ -378,7 +379,7 @@ template <class Server> class request_receiver {
         if (r.byte_count == candidate::any) r.byte_count = 0;
         begin_anew(r);
         const bool is_broadcast = frame[0] == broadcast;
-        response_[0] = unit_;
+        response_[0] = address_;
         const std::size_t size = self().execute(frame, byte_buffer{response_}.subspan(1, max_pdu));
         if (!is_broadcast && size != 0) answer(size);
     }
@@ -391,7 +392,7 @@ template <class Server> class request_receiver {
     constexpr void refuse_crc(bytes frame) {
         if (bad_crc_ == 0 || frame[0] == broadcast) return start_resync();
         drop();
-        response_[0] = unit_;
+        response_[0] = address_;
         answer(put_exception(byte_buffer{response_}.subspan(1, max_pdu), frame[1], bad_crc_));
     }
 
@@ -420,7 +421,7 @@ template <class Server> class request_receiver {
     std::size_t response_size_ = 0;
     std::uint32_t dropped_ = 0;
     std::uint8_t candidate_count_ = 1;
-    std::uint8_t unit_;
+    std::uint8_t address_;
     std::uint8_t leading_bytes_;
     std::uint8_t bad_crc_;
     state state_ = state::listening;

@@ -190,7 +190,7 @@ class c630s : private detail::c630s_core {
     /// The `back`-th last parameter written, 0 for the latest; the last 64 are kept.
     constexpr c630s_write last_write(std::size_t back = 0) const { return memory_.write(back); }
 
-    /// Unit address and baud rate that are in effect.
+    /// Address and baud rate that are in effect.
     constexpr std::uint8_t address() const {
         return static_cast<std::uint8_t>(memory_[coolmay::node_address.address]);
     }

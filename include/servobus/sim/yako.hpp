@@ -240,8 +240,8 @@ class yako_drive : private detail::yako_core {
         return memory_.covers(address) ? memory_.word_on_line(address) : std::uint16_t{0};
     }
 
-    /// Unit address and baud rate in effect since the last power-on.
-    constexpr std::uint8_t address() const { return unit_; }
+    /// Address and baud rate in effect since the last power-on.
+    constexpr std::uint8_t address() const { return address_; }
     constexpr std::uint32_t baud() const { return baud_; }
 
   protected:
@@ -270,7 +270,7 @@ class yako_drive : private detail::yako_core {
 
     constexpr void take_address() {
         const unsigned set = options_.switches & 0x1Fu;
-        unit_ = static_cast<std::uint8_t>(set != 0 ? set : word_at(servobus::yako::node_address.address));
+        address_ = static_cast<std::uint8_t>(set != 0 ? set : word_at(servobus::yako::node_address.address));
     }
 
     constexpr void accept(std::uint16_t address, std::uint16_t word) {
@@ -358,7 +358,7 @@ class yako_drive : private detail::yako_core {
         const std::int64_t rounded = (turning < 0 ? turning - count / 2 : turning + count / 2) / count;
         memory_.set(rows::drive_model.address, of_.has_encoder ? 257 : 2505);
         memory_.set(rows::drive_version.address, 260);
-        memory_.set(rows::actual_node_address.address, unit_);
+        memory_.set(rows::actual_node_address.address, address_);
         memory_.set(rows::dip_switches.address, options_.switches);
         memory_.set(rows::error_code.address, alarm_);
         memory_.set(rows::status_word.address, status());
@@ -374,7 +374,7 @@ class yako_drive : private detail::yako_core {
 
     instant ticked_{};
     std::uint32_t baud_ = 0;
-    std::uint8_t unit_ = 0;
+    std::uint8_t address_ = 0;
     bool has_clock_ = false;
 };
 

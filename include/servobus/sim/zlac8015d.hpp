@@ -235,8 +235,8 @@ class zlac8015d : private detail::zlac8015d_core {
 
     /// The counts of a commanded speed in 1 r/min, as they are in force: 2022h may be another value already.
     constexpr std::uint16_t resolution() const { return memory_.resolution(); }
-    /// Unit address and baud rate in effect since the last power-on.
-    constexpr std::uint8_t address() const { return unit_; }
+    /// Address and baud rate in effect since the last power-on.
+    constexpr std::uint8_t address() const { return address_; }
     constexpr std::uint32_t baud() const { return baud_; }
 
   private:
@@ -253,7 +253,7 @@ class zlac8015d : private detail::zlac8015d_core {
 
     constexpr void switch_on() {
         constexpr std::array<std::uint32_t, 7> bauds{0, 128000, 115200, 57600, 38400, 19200, 9600};
-        unit_ = static_cast<std::uint8_t>(memory_[zlac::node_address.address]);
+        address_ = static_cast<std::uint8_t>(memory_[zlac::node_address.address]);
         baud_ = bauds[memory_[zlac::rs485_baud_rate.address]];
         core::switch_on();
     }
@@ -342,7 +342,7 @@ class zlac8015d : private detail::zlac8015d_core {
     std::uint32_t baud_ = 0;
     std::uint16_t bus_voltage_ = 2400;
     std::int16_t driver_temperature_ = 350;
-    std::uint8_t unit_ = 0;
+    std::uint8_t address_ = 0;
     bool has_clock_ = false;
 };
 

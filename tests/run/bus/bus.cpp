@@ -468,12 +468,12 @@ TEST_CASE("G19, G26: stops that are repeated to an absent drive alternate with t
 }
 
 namespace {
-template <std::uint8_t Unit> consteval auto status_of() {
-    return cyclic<zlac8015d::status_word>(responds_within(node<wheels_device>{Unit}, milliseconds(30)),
+template <std::uint8_t Address> consteval auto status_of() {
+    return cyclic<zlac8015d::status_word>(responds_within(node<wheels_device>{Address}, milliseconds(30)),
                                           milliseconds(100));
 }
-template <std::uint8_t Unit> consteval auto controlled_wheels() {
-    return controlled(responds_within(node<wheels_device>{Unit}, milliseconds(30)), unsupervised);
+template <std::uint8_t Address> consteval auto controlled_wheels() {
+    return controlled(responds_within(node<wheels_device>{Address}, milliseconds(30)), unsupervised);
 }
 inline constexpr poll_plan crowd{modbus::timing_at(115200),
                                  status_of<1>(),
