@@ -202,4 +202,22 @@ template <const auto& R> constexpr auto reading_of(u32 bits) {
 /// the register's value type; an integer if there is no unit, or if another register sets the scale.
 template <const auto& R> using reading = decltype(reading_of<R>(0));
 
+/// The count of a reading, whatever its kind: what `raw` takes to write it to the register again. It is an integer
+/// itself, the code of an enumeration, the word of a class that unpacks one, and 0 or 1 of a coil.
+template <class T>
+requires(detail::is_quantity<T>::value || std::same_as<T, bool> ||
+         wire_value<T>) constexpr auto count_of(const T& value) {
+    if constexpr (detail::is_quantity<T>::value) {
+        return value.count();
+    } else if constexpr (packed_word<T>) {
+        return value.to_word();
+    } else if constexpr (wire_enum<T>) {
+        return static_cast<std::underlying_type_t<T>>(value);
+    } else if constexpr (std::same_as<T, bool>) {
+        return static_cast<u16>(value ? 1 : 0);
+    } else {
+        return value;
+    }
+}
+
 } // namespace servobus

@@ -92,6 +92,27 @@ using volts = quantity<unit{measure::volt}>;
 static_assert(comparable<amperes, quantity<unit{measure::milliampere}>>);
 static_assert(!comparable<amperes, volts>);
 
+// The count of a reading is asked for in one way, whatever its kind; raw() takes it back.
+template <const auto& R> constexpr auto count_read(u32 bits) { return count_of(reading_of<R>(bits)); }
+static_assert(count_read<fixture::plain>(5000) == 5000, "without a unit");
+static_assert(count_read<fixture::speed>(0xFED4) == -300, "with a unit");
+static_assert(count_read<fixture::current>(15) == 15, "1.5 A");
+static_assert(count_read<fixture::position>(0xFFFF'FFFF) == -1);
+static_assert(count_read<fixture::wide>(0xFFFF'FFFF) == 0xFFFF'FFFF);
+static_assert(count_read<fixture::rescaled>(0xFFFF) == -1, "another register sets the scale");
+static_assert(count_read<fixture::lamp>(0x0102) == 0x0102, "a code");
+static_assert(count_read<fixture::lamp>(7) == 7, "a code without a name");
+static_assert(count_read<fixture::heat>(0x24FF) == 0x24FF, "two values in one word");
+static_assert(count_of(true) == 1 && count_of(false) == 0, "a coil");
+static_assert(count_of(30 * units::r_per_min) == 30);
+static_assert(bits_of<fixture::speed>(raw(count_of(reading_of<fixture::speed>(0xFED4)))) == 0xFFFF'FED4);
+template <class T>
+concept has_count = requires(T v) {
+    count_of(v);
+};
+static_assert(has_count<reading<fixture::speed>> && !has_count<double> && !has_count<char>);
+static_assert(!has_count<readings<fixture::plain, fixture::speed>>, "of several rows each has its own");
+
 // A constant in range becomes its raw bits; the invalid ones are in tests/fail.
 static_assert(bits_of<fixture::plain>(5) == 5);
 static_assert(bits_of<fixture::plain>(5000) == 5000);
