@@ -20,8 +20,9 @@ file(MAKE_DIRECTORY ${fail_folder})
 if(CMAKE_CXX_COMPILER_ID STREQUAL Clang)
   set(fail_before -include-pch ${fail_folder}/all.pch)
   check(fail.header LABELS compile fast
-        COMMAND ${compiler} -Itests/fail -w -x c++-header tests/fail/all.hpp -o ${fail_folder}/all.pch)
-  set_tests_properties(fail.header PROPERTIES FIXTURES_SETUP fail_header)
+        COMMAND sh tests/fail/as_before.sh ${fail_folder}/all ${compiler} -Itests/fail -w -o ${fail_folder}/all.pch
+                -x c++-header tests/fail/all.hpp)
+  set_tests_properties(fail.header PROPERTIES FIXTURES_SETUP fail_header FAIL_REGULAR_EXPRESSION "error: ")
 endif()
 
 # tests/run.sh compiles one program for each sentence that is expected, and .ci/run all.

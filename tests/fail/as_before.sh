@@ -24,10 +24,16 @@ if is_as_before "$@"; then
 fi
 rm -f "$record.words"
 echo "$*" >"$record.command" # older than what changes while it runs
-for last in "$@"; do :; done
+before=''
+precompiled=''
+for last in "$@"; do
+    [ "$before" != -include-pch ] || precompiled=$last # -H says nothing of what is in it
+    before=$last
+done
 "$@" -H >"$record.all" 2>&1
 {
     echo "$last"
+    [ -z "$precompiled" ] || echo "$precompiled"
     sed -n 's/^\.\.* //p' "$record.all"
 } >"$record.files"
 sed '/^\.\.* /d; /^Multiple include guards/,$d' "$record.all" >"$record.words"
