@@ -13,6 +13,12 @@
 #include <servobus/registers/cached_registers.hpp>
 #include <servobus/registers/register_value.hpp>
 
+namespace servobus::detail {
+struct no_command {
+    template <class Command> operator Command() const; // NOLINT: a drive's own; never called
+};
+} // namespace servobus::detail
+
 namespace servobus::commands {
 
 /// Sets the parameter of row `R` until the power goes, and reads it back. What the facade caches of it follows.
@@ -39,6 +45,15 @@ template <const auto& R> struct keep {
     static constexpr bool changes_cached_settings =
         is_cached_by_facade<device>(R.address, row_type<R>::words);
     register_value<R> value;
+};
+
+/// Refuses a read-only row: its `register_value` does not compile. No other error follows, since nothing is prepared.
+template <const auto& R>
+requires(row_type<R>::rights == access::ro) struct set<R> {
+    register_value<R> value;
+    template <class Known> constexpr auto prepare(const Known&) const {
+        return servobus::detail::no_command{};
+    }
 };
 
 /// For the rules of a drive: true for one of these rows.
