@@ -62,9 +62,9 @@ template <class Line> struct cell {
     command_status drive(const twist& by) { return is_safe() ? wheels.begin(by) : wheels.begin(halt{}); }
     // The door is closed, nothing is near, and the sensor has said so lately.
     bool is_safe() const {
-        const auto near = all.template latest<eye::distance>(eye_node, 300_ms);
+        const auto ahead = all.template latest<eye::distance>(eye_node, 300_ms);
         const auto door = all.template latest<eye::is_door_open>(eye_node, 300_ms);
-        return near && door && *near > 200_mm && !*door;
+        return ahead && door && *ahead > 200_mm && !*door;
     }
 
     zlac8015d::robot<Line> wheels;

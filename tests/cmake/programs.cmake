@@ -9,7 +9,7 @@ add_executable(tool_with_winch $<TARGET_OBJECTS:servobus_tool_parts>
 target_link_libraries(tool_with_winch PRIVATE servobus::servobus strict_warnings)
 # A build without a type is for tests: it compiles quickly, and its programs are quick enough.
 if(NOT CMAKE_BUILD_TYPE)
-  foreach(program servobus_tool_parts servobus_wheels servobus_stepper servobus_servo servobus_robot)
+  foreach(program servobus_tool_parts servobus_wheels servobus_stepper servobus_servo servobus_robot servobus_cell)
     target_compile_options(${program} PRIVATE $<IF:$<BOOL:${SERVOBUS_QUICK}>,-O0,-O1>)
   endforeach()
 endif()
@@ -35,7 +35,7 @@ endforeach()
 if(busy_parts)
   message(FATAL_ERROR "tests/tool/busy.txt: there is no ${busy_parts}")
 endif()
-foreach(program wheels stepper servo robot)
+foreach(program wheels stepper servo robot cell)
   check(example.${program} LABELS example fast REAL_TIME COST 20
         COMMAND ${Python3_EXECUTABLE} -B tests/examples/${program}.py ${tool} $<TARGET_FILE:servobus_${program}>)
 endforeach()

@@ -51,6 +51,8 @@ template <unit U, class Rep> struct kept_type<quantity<U, Rep>> {
     using type = decltype(choose());
 };
 template <class T> using kept = typename kept_type<std::remove_cvref_t<T>>::type;
+// Not constexpr on purpose: a constant that calls it does not compile, and the error names the rule.
+inline void the_lowest_place_stands_before_the_highest() {}
 template <class T>
 concept a_period = std::convertible_to<T, duration>;
 } // namespace detail
@@ -138,10 +140,17 @@ template <class Speed, detail::a_period Period, class Rise, class Fall>
 hold(Speed, Period, Rise, Fall)
     -> hold<detail::kept<Speed>, duration, detail::kept<Rise>, detail::kept<Fall>>;
 
-/// Limits the travel by software. Errors: `bad_argument` if `lowest` is not below `highest`.
+/// Limits the travel by software. Errors: `bad_argument` if `lowest` is not below `highest`; of constants it does not
+/// compile.
 template <class Place> struct limit_travel {
     Place lowest;
     Place highest;
+
+    constexpr limit_travel(std::type_identity_t<Place> low, std::type_identity_t<Place> high)
+        : lowest{low}, highest{high} {
+        if (std::is_constant_evaluated() && !(low < high))
+            detail::the_lowest_place_stands_before_the_highest();
+    }
 };
 template <class Lowest, class Highest>
 requires std::same_as<detail::kept<Lowest>, detail::kept<Highest>> limit_travel(Lowest, Highest)

@@ -54,7 +54,7 @@ constexpr take_over set_up{disable{},
                            y::set_input{y::input_terminal::x3, y::input_function::stop},
                            y::set_homing_profile{300 * r_per_min, 150 * r_per_min, 30 * millisecond}};
 constexpr y::closed_loop::home home{y::homing::home_24};
-constexpr y::limit_travel limit{3000 * pulse, -3000 * pulse};
+constexpr limit_travel limit{-3000 * pulse, 3000 * pulse};
 constexpr after_enable homed{home, limit};
 constexpr y::motion_profile brisk{10 * r_per_min, 50 * millisecond, 50 * millisecond, 300 * r_per_min};
 constexpr y::motion_profile gentle{10 * r_per_min, 50 * millisecond, 50 * millisecond, 60 * r_per_min};
@@ -607,7 +607,7 @@ TEST_CASE("a command of the list that fails is reported once with its number, an
         CHECK(t.enables() == 1); // it was energised
     }
     SUBCASE("the second one is refused") {
-        constexpr after_enable wrong{home, limit_travel{3000 * pulse, -3000 * pulse}, read_feedback{}};
+        const after_enable wrong{home, limit_travel{3000 * pulse, -3000 * pulse}, read_feedback{}};
         lift_of<std::remove_const_t<decltype(wrong)>> t{wrong};
         for (std::size_t n = 1; n <= 2; ++n) {
             t.go(3000);

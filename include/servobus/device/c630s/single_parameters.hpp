@@ -36,10 +36,12 @@ template <const auto& R> constexpr void check_settable() {
                   "a command of the drive writes this register: enable, fault_reset, home, restart, ...");
     static_assert(!has(R.flags, flag::motion) && !commands::is_one_of<R, jog_speed>,
                   "a target is no parameter: velocity, torque, jog and step_size set it");
-    static_assert(!commands::is_one_of<R, mode_of_operation, main_speed_source, auxiliary_speed_source,
-                                       speed_command_selection, main_torque_source, torque_command_selection,
-                                       position_command_source, position_segment_mode, speed_segment_mode,
-                                       positioning_completed_condition>,
+    constexpr bool is_mode_or_source =
+        commands::is_one_of<R, mode_of_operation, main_speed_source, auxiliary_speed_source,
+                            speed_command_selection, main_torque_source, torque_command_selection,
+                            position_command_source, position_segment_mode, speed_segment_mode,
+                            positioning_completed_condition>;
+    static_assert(!is_mode_or_source,
                   "a mode and its sources are set by enable_in{} and its kin, at each enable");
     static_assert(R.address >> 8 != 0x17 && R.address >> 8 < 0x30 &&
                       !commands::is_one_of<R, virtual_inputs_enable, virtual_outputs_enable,

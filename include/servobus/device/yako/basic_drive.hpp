@@ -84,7 +84,7 @@ class basic_drive : public facade<Model, Line> {
     constexpr yako::arrival arrival(const wait_reached&) const { return arrival(); }
 
     /// Runs a command to its end. Waits. Errors: those of the command.
-    template <class Wanted> command_status run(const Wanted& wanted) {
+    template <class Wanted> [[gnu::always_inline]] command_status run(const Wanted& wanted) {
         check_variant<Wanted>();
         return base::run(wanted);
     }
@@ -93,7 +93,7 @@ class basic_drive : public facade<Model, Line> {
         return wanted.run_by(*this, [this](const auto& part) { return this->run(part); });
     }
     /// Starts a command; `step` moves it on. Errors: those of the command.
-    template <class Wanted> constexpr command_status begin(const Wanted& wanted) {
+    template <class Wanted> [[gnu::always_inline]] constexpr command_status begin(const Wanted& wanted) {
         check_variant<Wanted>();
         return base::begin(wanted);
     }
