@@ -29,7 +29,7 @@
 /// with common words of its own.
 namespace servobus::words {
 // lines, nodes, values
-using servobus::checked, servobus::raw;
+using servobus::checked;
 using servobus::client, servobus::line, servobus::node, servobus::reconnecting, servobus::responds_within;
 using servobus::duration, servobus::instant, servobus::milliseconds, servobus::since;
 using servobus::errc, servobus::outcome, servobus::result, servobus::status, servobus::text;

@@ -16,7 +16,17 @@ from checks import ROOT, check, expect, finish, passes, run
 
 CXX = os.environ.get("CXX", "g++").split()
 FLAGS = ["-std=c++20", "-Wall", "-Wextra", "-Werror", "-Iinclude", "-fsyntax-only", "-x", "c++", "-"]
+# A function of any line or port: it is compiled for one, or nothing in it were checked.
+TEMPLATE = re.compile(r"^template <class (Line|Port)> .*?(\w+)\((?:scheduled_line<Port>|Line)& ", re.M)
 FENCED = re.compile(r"^```(.*)\n((?:.*\n)*?)```$", re.M)
+
+
+def with_its_templates_used(block):
+    serial = "servobus::posix::serial"
+    line = f"servobus::{'scheduled_line' if 'make_bus' in block else 'line'}<{serial}>"
+    used = [f"[[maybe_unused]] static auto* const use_of_{name} = &{name}<{line if of == 'Line' else serial}>;\n"
+            for of, name in TEMPLATE.findall(block)]
+    return block + "".join(["#include <servobus/posix/serial.hpp>\n", *used] if used else [])
 
 
 def all_pages():
@@ -72,7 +82,7 @@ for page in all_pages():
         if block[1] == "cpp" and page != "tests/fail/README.md":
             blocks += 1
             line = text_of(page).count("\n", 0, block.start()) + 1
-            passes(f"{page}: the block that begins in line {line} compiles", *CXX, *FLAGS, typed=block[2])
+            passes(f"{page}: the block that begins in line {line} compiles", *CXX, *FLAGS, typed=with_its_templates_used(block[2]))
 count = sum(len(links(page)) for page in all_pages())
 check(f"{blocks} blocks of code and {count} links are found", expect, blocks >= 8 and count >= 50, "too few")
 finish()
