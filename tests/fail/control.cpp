@@ -335,6 +335,8 @@ int main() {
         (void)wheels.run(servobus::velocity{30 * units::r_per_min, 30 * units::r_per_min});
         (void)stepper.run(servobus::move_by{400 * units::pulse});
         (void)servobus::move_to{5 * units::micrometre};
+        (void)stepper.run(servobus::velocity{60 * units::r_per_min});
+        (void)wheels.run(servobus::velocity{30 * units::r_per_min, 40 * units::r_per_min});
         constexpr servobus::limit_travel limits{-500 * units::pulse, 40'000 * units::pulse};
         (void)stepper.run(limits);
         (void)servo.run(c630s::keep<c630s::pulses_per_revolution>{checked(raw(10000))});

@@ -24,6 +24,7 @@
 #include <servobus/bus/plan.hpp>
 #include <servobus/bus/scheduled_line.hpp>
 #include <servobus/control/facade.hpp>
+#include <servobus/control/motion_commands.hpp>
 #include <servobus/line/line.hpp>
 
 namespace servobus {
@@ -123,6 +124,7 @@ class bus : detail::cyclic_reads<Plan, Line, Drives...> {
     /// Blocking: runs a move of one drive and waits for its end. Returns what `drive.run(move, end)` does.
     template <class Drive, class Move, class End>
     auto run(Drive& drive, const Move& move, const End& end) -> decltype(drive.arrival(end)) {
+        commands::check_target<Move>();
         if (!run(drive, move)) return {};
         (void)run(drive, end);
         return drive.arrival(end);

@@ -64,6 +64,7 @@ template <class Drive> class axis_facade : public Drive {
     }
     /// Runs a move and waits for its end. Returns how that was; `none` if the move did not begin, as `last` says.
     template <class Move> axis_arrival run(const Move& move, const wait_reached& end) {
+        commands::check_target<Move>();
         if (!run(move)) return {};
         (void)run(end);
         return arrival();

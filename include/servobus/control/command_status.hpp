@@ -67,6 +67,8 @@ class [[nodiscard]] command_status {
     constexpr operator servobus::status() const { return status_; } // NOLINT: implicit
     /// Compares the error alone.
     friend constexpr bool operator==(const command_status& s, errc why) { return s.error() == why; }
+    /// Not with a `status`: a command that succeeded was sent, and `status{}` was not.
+    friend bool operator==(const command_status&, const servobus::status&) = delete;
 
     /// The number of the step where it ended.
     constexpr std::uint8_t step() const { return step_; }

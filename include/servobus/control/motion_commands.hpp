@@ -97,8 +97,11 @@ template <class... What> move_by(What...) -> move_by<detail::kept<What>...>;
 template <class... What> struct velocity;
 template <class Speed> struct velocity<Speed> { Speed target; };
 template <class Left, class Right> struct velocity<Left, Right> {
-    Left left;
-    Right right;
+    Left left{};
+    Right right{};
+
+    constexpr velocity() = default;
+    constexpr velocity(Left l, Right r) : left{l}, right{r} {} // not one of both
 };
 template <class Speed, class Rise, class Fall> struct velocity<Speed, Rise, Fall> {
     Speed target;
@@ -116,8 +119,11 @@ template <class Speed> struct hold<Speed> {
 };
 template <class Left, class Right> struct hold<Left, Right> {
     static constexpr bool needs_command_timeout = true;
-    Left left;
-    Right right;
+    Left left{};
+    Right right{};
+
+    constexpr hold() = default;
+    constexpr hold(Left l, Right r) : left{l}, right{r} {}
 };
 template <class Speed> struct hold<Speed, runs_on_without_line> {
     static constexpr bool needs_command_timeout = true;
@@ -160,6 +166,13 @@ requires std::same_as<detail::kept<Lowest>, detail::kept<Highest>> limit_travel(
 template <class Place> struct declare_position { Place place; };
 template <class Place> declare_position(Place) -> declare_position<detail::kept<Place>>;
 
+namespace detail {
+// A motion that no target ends: nothing waits for its arrival.
+template <class Command> inline constexpr bool has_no_target = false;
+template <class... What> inline constexpr bool has_no_target<velocity<What...>> = true;
+template <class... What> inline constexpr bool has_no_target<hold<What...>> = true;
+} // namespace detail
+
 // No take-over has them.
 template <class... What> void moves_or_energises(const move_to<What...>*);
 template <class... What> void moves_or_energises(const move_by<What...>*);
@@ -169,10 +182,19 @@ template <class Place> void neither_moves_nor_energises(const limit_travel<Place
 template <class Place> void neither_moves_nor_energises(const declare_position<Place>*);
 
 namespace commands {
+/// A command that is waited for has a target.
+template <class Command> constexpr void check_target() {
+    static_assert(!servobus::detail::has_no_target<Command>,
+                  "a speed has no target, so nothing waits until it is reached");
+}
+
 /// A quantity in the unit that a drive counts in. What would have to be rounded does not compile.
 template <class Own, unit U, class Rep> [[gnu::always_inline]] constexpr Own exactly(quantity<U, Rep> value) {
+    constexpr bool is_same_kind = servobus::detail::same_kind(U, Own::unit_of_count);
+    static_assert(is_same_kind, "this drive has no such command: it counts another kind of quantity");
     constexpr bool is_exact = std::convertible_to<quantity<U, Rep>, Own>;
-    static_assert(is_exact, "this quantity is finer than a count of the drive: it would be rounded");
+    static_assert(is_exact || !is_same_kind,
+                  "this quantity is finer than a count of the drive: it would be rounded");
     if constexpr (is_exact)
         return value;
     else

@@ -251,11 +251,12 @@ constexpr refusal refusal_of(const Command& any, const Settings& known) {
 }
 } // namespace commands
 
-/// Returns why `drive` has refused `wanted`; call it before another call of the drive. The error is `ok` if the plan of
-/// the command has no objection. Then the drive has refused the command, or the facade for a reason of its own. Such
-/// reasons are another command under way (`busy`), the stop for a fault (`faulted`), and a wait without a move. Others
-/// are a node address or feedback period that cannot be, and a hold without a command timeout (`bad_argument`). A
-/// command in the machine's units has no list of its arguments: lengths and speeds are its own, registers its drive's.
+/// Returns why `drive` has refused `wanted`; call it before another call of the drive. The error is `ok` if the plan
+/// of the command has no objection. Then the drive has refused the command, or the facade for a reason of its own.
+/// Such reasons are another command under way (`busy`), the stop for a fault (`faulted`), and a wait without a move.
+/// Others are a node address or feedback period that cannot be, and a hold without a command timeout
+/// (`bad_argument`). The limits of a C630S axis are one too: `end_passed_by` names it. A command in the machine's
+/// units has no list of its arguments: lengths and speeds are its own, registers its drive's.
 template <class Drive, class Command> constexpr refusal why(const Drive& drive, const Command& wanted) {
     refusal r = commands::refusal_of(detail::made_complete(drive, wanted), drive.cached());
     if (drive.state() == drive_state::faulted && r.error == errc::wrong_state) r.error = errc::faulted;

@@ -429,4 +429,55 @@ TEST_CASE("soft limits: those whose command was not answered are not set") {
     CHECK(r.drive.run(move_to{25_mm, quick}, wait_reached{}));
 }
 
+TEST_CASE("G34: a move of an axis that begins, or is refused, ends the arrival of the one before") {
+    rig r{ram};
+    r.enable_for(places);
+    REQUIRE(r.drive.run(limit_travel{-2_mm, 60_mm}));
+    const auto arrive = [&] {
+        REQUIRE(r.drive.run(move_to{5_mm, quick}, wait_reached{}));
+        REQUIRE(r.drive.arrival());
+    };
+    arrive();
+    REQUIRE(r.drive.begin(move_to{10_mm, quick}));
+    CHECK(r.drive.arrival().how == arrival_state::none);
+    while (!r.drive.is_idle()) (void)r.drive.step(), r.wire.pass(microseconds(100));
+    CHECK(r.drive.run(wait_reached{}));
+    const auto refused = [&](const auto& move, errc why) {
+        arrive();
+        CHECK(r.drive.begin(move) == why);
+        CHECK(r.drive.arrival().how == arrival_state::none);
+        CHECK(r.drive.run(wait_reached{}).error() == errc::wrong_state);
+    };
+    refused(move_to{10_mm}, errc::bad_argument);
+    refused(move_by{10_mm, quick}, errc::wrong_state);
+    refused(move_to{61_mm, quick}, errc::out_of_range);
+}
+
+TEST_CASE("another gear makes the units of an axis unknown until the next init has compared them") {
+    rig r{ram, c630s::encoder_counts::of_17_bits};
+    r.set(c630s::pulses_per_revolution.address, 0);
+    r.set(c630s::gear_1_numerator.address, 131'072);
+    r.set(c630s::gear_1_denominator.address, 10'000);
+    r.enable_for(places);
+    REQUIRE(r.drive.run(disable{}));
+    REQUIRE(r.drive.run(c630s::gear{131'072, 1'000}));
+    CHECK(r.drive.state() == drive_state::needs_init);
+    CHECK(r.drive.run(init{}).error() == errc::unexpected_value);
+    CHECK(r.drive.state() == drive_state::needs_init);
+}
+
+TEST_CASE("soft limits are set at standstill only") {
+    rig r{ram};
+    r.enable_for(places);
+    REQUIRE(r.drive.run(disable{}));
+    REQUIRE(r.drive.run(enable{}));
+    REQUIRE(r.drive.run(velocity{50_mm_per_s}));
+    r.wire.pass(milliseconds(500));
+    CHECK(r.drive.run(limit_travel{0_mm, 200_mm}).error() == errc::busy);
+    CHECK(r.drive.run(velocity{-50_mm_per_s})); // none are set
+    REQUIRE(r.drive.run(halt{}));
+    REQUIRE(r.drive.run(wait_standstill{}));
+    CHECK(r.drive.run(limit_travel{0_mm, 200_mm}));
+}
+
 } // namespace axis_c630s_tests

@@ -439,4 +439,21 @@ TEST_CASE("5.4: an input ends a jog by the move that set_input_move has set") {
     CHECK(a.drive.run(set_input_move{0 * pulse, {}}).error() == errc::bad_argument);
 }
 
+TEST_CASE("a profile that begins faster than it runs, or does not run, is refused before anything is sent") {
+    closed_axis a;
+    REQUIRE(a.drive.run(init{}));
+    REQUIRE(a.drive.run(enable{}));
+    const std::size_t frames = a.requests.size();
+    using yako::motion_profile;
+    const auto refusal_of = [&](const motion_profile& by) {
+        return a.drive.begin(move_by{5'000 * pulse, by}).error();
+    };
+    CHECK(refusal_of({600 * r_per_min, 90 * millisecond, 90 * millisecond, 0 * r_per_min}) ==
+          errc::out_of_range);
+    CHECK(refusal_of({61 * r_per_min, 90 * millisecond, 90 * millisecond, 60 * r_per_min}) ==
+          errc::out_of_range);
+    CHECK(a.requests.size() == frames);
+    CHECK(a.drive.run(move_by{500 * pulse, {60 * r_per_min, {}, {}, 60 * r_per_min}}));
+}
+
 } // namespace drive_yako_moves_tests

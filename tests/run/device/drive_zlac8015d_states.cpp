@@ -211,6 +211,9 @@ TEST_CASE("targets and distances beyond the drive's range are refused in either 
     REQUIRE(r.drive.run(enable_in{operating_mode::relative_position}));
     CHECK(r.drive.run(move_by{distance{lowest}, 0 * pulse}).error() == errc::out_of_range);
     CHECK(r.drive.run(move_by{0 * pulse, distance{lowest}}).error() == errc::out_of_range);
+    // A count of 64 bits that was limited to 32, such as a difference of unsigned numbers.
+    CHECK(r.drive.run(move_by{3'000'000'000 * pulse, 0 * pulse}).error() == errc::out_of_range);
+    CHECK(r.drive.run(move_by{0 * pulse, (1000u - 1200u) * pulse}).error() == errc::out_of_range);
     REQUIRE(r.drive.run(disable{}));
     REQUIRE(r.drive.run(enable_in{operating_mode::absolute_position}));
     CHECK(r.drive.run(move_to{0 * pulse, -0x4000'0000 * pulse}).error() == errc::out_of_range);

@@ -23,6 +23,7 @@
 namespace servobus::c630s {
 
 namespace routines {
+inline constexpr step stands[] = {must_stand};
 /// What a reference unit is worth: P05-02, and the first gear, in one frame.
 inline constexpr step reference_units[] = {
     steps::fetch<pulses_per_revolution, position_low_pass_time, position_step, position_average_time,
@@ -72,6 +73,7 @@ class axis_model : public model {
     }
     /// Nothing ends a speed or a run of segments at a limit: the drive has none, and the line may be lost.
     constexpr errc admit(prepared_command& c, duration lost) {
+        if (c.starts) preempt(c); // the move before is the last one no more
         const bool is_endless = kinds[c.then] == command_kind::endless_motion || kinds.moves(c.then);
         if (limits_.are_set() && is_endless) return errc::bad_argument;
         if (c.starts && c.is_place && limits_.passed_by(c.target) != travel_end::none)
@@ -101,6 +103,8 @@ class axis_model : public model {
         c.limits = {};
         const errc found = model::learn(c, e, known);
         if (!e.is_done || found != errc::ok) return found;
+        // A gear: what its units are worth is compared by the next `init`.
+        if (was.then == effect::pair_set) known = unknown;
         if (was.then == effect::taken_over) {
             found_ = known.state;
             known.state = drive_state::needs_init; // until the units are known
@@ -189,6 +193,7 @@ constexpr axis_command move_on_axis(const result<std::int32_t>& counts, const ax
                             !by.is_whole() || is_uneven ? errc::bad_argument : errc::ok, counts.error(),
                             first_error(to.error, c.refusal));
     c.starts = true;
+    if (c.refusal != errc::ok) c.then = effect::moved; // it ends the arrival of the move before
     return c;
 }
 } // namespace detail
@@ -227,16 +232,17 @@ constexpr axis_command plan_on_axis(const axis_velocity& wanted, const axis_plac
 /// beyond a limit, also the start of a segment (`out_of_range`; `axis_drive::end_passed_by` names the limit). It
 /// refuses each speed (`bad_argument`): nothing would end it there. A place is refused before anything is sent, a way
 /// once the drive's position has been read. The limits hold until others are set, also over an `init`. They count
-/// from the drive's home, as places do. The command reads the status of the drive. Errors: `bad_argument` if `lowest`
-/// is not below `highest`; `out_of_range` beyond 1073741824 reference units.
+/// from the drive's home, as places do. The command reads the drive's speed: `busy` while it turns. They are not for
+/// a `home`, a `set_home`, or pulses of a wired source. Whether the axis has been homed since its power-on is not
+/// asked: home it first. Errors: `bad_argument` if `lowest` is not below `highest`; `out_of_range` beyond
+/// 1073741824 reference units.
 constexpr axis_command plan_on_axis(const limit_travel<micrometres>& wanted, const axis_place& at,
                                     const cached_settings& known) {
     const axis& on = at.geometry();
     const std::int64_t one = on.counts_of(wanted.lowest).value_or(soft_limits::beyond);
     const std::int64_t other = on.counts_of(wanted.highest).value_or(soft_limits::beyond);
     const bool is_known = soft_limits::widest.contains(one) && soft_limits::widest.contains(other);
-    axis_command c = read_status{}.prepare(known);
-    c.then = effect::none;
+    axis_command c = prepared_command{.steps = routines::stands, .refusal = detail::needs_init_done(known)};
     c.refusal = detail::first_error(c.refusal, wanted.lowest < wanted.highest ? errc::ok : errc::bad_argument,
                                     is_known ? errc::ok : errc::out_of_range);
     c.limits = soft_limits{one < other ? range{one, other} : range{other, one}};

@@ -83,6 +83,7 @@ template <class Line, class Model = model> class basic_drive : public facade<Mod
     using base::run;
     /// Runs a move and waits for its end. Returns how that was; `none` if the move did not begin, as `last` says.
     template <class Move> c630s::arrival run(const Move& move, const wait_reached& end) {
+        commands::check_target<Move>();
         if (!base::run(move)) return {};
         (void)base::run(end);
         return arrival();

@@ -81,6 +81,7 @@ struct gear {
                                         : std::uint16_t{0};
         return {.steps = routines::gear,
                 .arguments = {n.first, n.second, d.first, d.second, 0, detail::word_order_value(cached)},
+                .then = effect::pair_set,
                 .refusal = detail::first_error(detail::needs_word_order(cached),
                                                detail::in_range<gear_1_numerator>(numerator),
                                                detail::in_range<gear_1_denominator>(denominator),

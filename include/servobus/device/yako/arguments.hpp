@@ -61,7 +61,7 @@ constexpr command_argument start_argument(const motion_profile& p, const cached_
     return speed_argument<closed_loop::start_speed>(p.start(), k);
 }
 constexpr command_argument top_argument(const motion_profile& p, const cached_settings& k) {
-    return speed_argument<closed_loop::positioning_speed>(p.top(), k);
+    return speed_argument<closed_loop::positioning_speed>(p.top(), k).only_if(p.has_order());
 }
 } // namespace detail
 

@@ -100,6 +100,7 @@ class basic_drive : public facade<Model, Line> {
     /// Runs a move and waits for its end. Returns how that was; `none` if the move did not begin, as `last`
     /// says.
     template <class Move> yako::arrival run(const Move& move, const wait_reached& end) {
+        commands::check_target<Move>();
         if (!run(move)) return {};
         (void)base::run(end);
         return arrival();

@@ -88,6 +88,8 @@ class motion_profile {
     constexpr time deceleration() const { return deceleration_; }
     constexpr speed top() const { return top_; }
 
+    /// It begins at most as fast as it runs, and runs.
+    constexpr bool has_order() const { return is_stored_ || (top_.count() > 0 && start_ <= top_); }
     /// Puts its four words in front of the arguments, or what the drive should hold behind a target; or gives
     /// the reason why not.
     constexpr errc put(steps::arguments& arguments, const cached_settings& cached) const {
@@ -104,7 +106,8 @@ class motion_profile {
         arguments[1] = rise.word;
         arguments[2] = fall.word;
         arguments[3] = top.word;
-        return detail::first_error(start.error, rise.error, fall.error, top.error);
+        const errc order = has_order() ? errc::ok : errc::out_of_range;
+        return detail::first_error(start.error, rise.error, fall.error, top.error, order);
     }
 
   private:

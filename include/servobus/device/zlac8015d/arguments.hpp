@@ -44,6 +44,9 @@ template <const auto& R> constexpr command_argument speed_argument(speed v, cons
     const command_argument a = commands::counted_argument<R>(below, is_exact);
     return a.within<max_motor_speed>(-most, most);
 }
+template <const auto& R> constexpr command_argument way_argument(distance way) {
+    return commands::argument<R>(way).within(-longest_way, longest_way);
+}
 template <const auto& R> constexpr command_argument absolute_argument(distance place) {
     const command_argument a = commands::argument<R>(place);
     return a.within(-farthest_place, farthest_place);
@@ -82,14 +85,14 @@ constexpr auto arguments(const right_torque& c, const cached_settings&) {
     return argument_list{commands::argument<right_target_torque>(c.right)};
 }
 constexpr auto arguments(const wheel_ways& c, const cached_settings&) {
-    return argument_list{commands::argument<left_target_position>(c.left),
-                         commands::argument<right_target_position>(c.right)};
+    return argument_list{detail::way_argument<left_target_position>(c.left),
+                         detail::way_argument<right_target_position>(c.right)};
 }
 constexpr auto arguments(const move_left_by& c, const cached_settings&) {
-    return argument_list{commands::argument<left_target_position>(c.left)};
+    return argument_list{detail::way_argument<left_target_position>(c.left)};
 }
 constexpr auto arguments(const move_right_by& c, const cached_settings&) {
-    return argument_list{commands::argument<right_target_position>(c.right)};
+    return argument_list{detail::way_argument<right_target_position>(c.right)};
 }
 constexpr auto arguments(const wheel_places& c, const cached_settings&) {
     return argument_list{detail::absolute_argument<left_target_position>(c.left),

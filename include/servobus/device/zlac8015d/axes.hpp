@@ -232,6 +232,7 @@ template <class Drive> class axis_of_drive {
     /// Runs a move of this axis and waits for its end. Returns how that was; `none` if the move did not begin, as
     /// `last` says.
     template <class Move> axis_arrival run(const Move& move, const wait_reached& end) {
+        commands::check_target<Move>();
         if (!run(move)) return {};
         (void)drive_->run(wait_wheels_reached{which_, end.limit});
         return arrival();

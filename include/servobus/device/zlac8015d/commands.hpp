@@ -204,8 +204,11 @@ struct right_velocity {
 /// Velocity mode: as `velocity`, but each speed becomes the nearest whole number of counts, halves away from
 /// zero, and a pair too fast is slowed down together, so that the curve is kept.
 struct clamped_velocity {
-    speed left;
-    speed right;
+    speed left{};
+    speed right{};
+
+    constexpr clamped_velocity() = default;
+    constexpr clamped_velocity(speed l, speed r) : left{l}, right{r} {} // not one of both
 
     constexpr wheel_velocities within(const cached_settings& cached) const {
         const std::uint32_t most = left_target_speed.limits.high;
@@ -297,7 +300,7 @@ constexpr prepared_command move(routine steps, operating_mode mode, synchronisat
     }
     return o;
 }
-inline constexpr std::int32_t longest_way = 0x7FFF'FFFF;
+inline constexpr std::int32_t longest_way = 0x7FFF'FFFE; // the next one is what a quantity saturates to
 inline constexpr std::int32_t farthest_place = 0x3FFF'FFFF;
 } // namespace detail
 

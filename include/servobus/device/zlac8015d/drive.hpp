@@ -93,6 +93,7 @@ template <class Line, class Model = model> class basic_drive : public facade<Mod
     /// Runs a move and waits for its end. Returns how that was; `none` if the move did not begin, as `last`
     /// says.
     template <class Move> zlac8015d::arrival run(const Move& move, const wait_reached& end) {
+        commands::check_target<Move>();
         return run_until(move, end);
     }
     template <class Move> zlac8015d::arrival run(const Move& move, const wait_wheels_reached& end) {
