@@ -174,7 +174,7 @@ template <class Port> class robot_hardware {
             return speed{static_cast<std::int16_t>(word) * parts};
         };
         const servobus::command_status begun =
-            drive_->begin(velocity{speed_of(next.left_word()), speed_of(next.right_word())});
+            drive_->begin(servobus::velocity{speed_of(next.left_word()), speed_of(next.right_word())});
         return begun ? std::string{} : std::string{"a velocity is refused: "} + text(begun.error());
     }
     void step() {

@@ -7,9 +7,9 @@
 //                               servobus::after_enable{yako::open_loop::home{yako::homing::home_24}}};
 #include <servobus/control/setpoint_loop.hpp>
 
-#include "stepper.hpp"
+#include "drives.hpp"
 
 int main() {
-    some_stepper stepper;
-    (void)stepper.run(servobus::after_enable{yako::open_loop::home{yako::homing::home_24}}); // wrong
+    some_servo servo;
+    (void)servo.run(servobus::after_enable{servobus::read_feedback{}}); // wrong
 }

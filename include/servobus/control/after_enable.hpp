@@ -74,9 +74,10 @@ template <class... Commands> class after_enable {
     }
 
     /// An `after_enable` is several commands.
-    template <class Known> constexpr auto prepare(const Known&) const {
+    template <class Known> constexpr auto prepare(const Known& known) const {
         static_assert(sizeof(Known) == 0,
                       "an after_enable is several commands: a setpoint_loop begins them after its enable");
+        return commands::prepared(init{}, known); // no second error follows
     }
 
   private:
