@@ -17,7 +17,8 @@ STRICT = ["-std=c++20", "-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Wsha
 DRIVES = {"zlac8015d": "zlac8015d::drive", "yako": "yako::closed_loop::drive", "c630s": "c630s::drive"}
 # The headers that the README's programs include, and the single ones in their place.
 SINGLE = [(r"<servobus/device/(\w+)\.hpp>", r"<servobus_\1.hpp>"),
-          ("<servobus/posix/serial.hpp>", "<servobus_posix.hpp>"), ("<servobus/servobus.hpp>", "<servobus.hpp>")]
+          ("<servobus/posix/serial.hpp>", "<servobus_posix.hpp>"), ("<servobus/servobus.hpp>", "<servobus.hpp>"),
+          ("<servobus/words.hpp>", "<servobus.hpp>")]
 
 
 def alone(compiler, header, *defines):
