@@ -12,6 +12,7 @@
 #pragma once
 
 #include <type_traits>
+#include <utility>
 
 #include <servobus/core/time.hpp>
 
@@ -82,6 +83,13 @@ template <class Settings, class Command>
     else
         return (wanted);
 }
+
+/// True if the drive with these settings has the command.
+template <class Command, class Settings>
+inline constexpr bool is_preparable = [] {
+    using own = std::remove_cvref_t<decltype(in_units_of_drive<Settings>(std::declval<const Command&>()))>;
+    return detail::prepares_itself<own, Settings> || detail::prepared_by_device<own, Settings>;
+}();
 
 /// A command made ready by its own `prepare`, or by the device's.
 template <class Command, class Settings>

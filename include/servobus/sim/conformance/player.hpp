@@ -210,12 +210,13 @@ template <class Subject> class conformance_player {
     }
     // Without a kind of motion the command is neither supervised, nor is `preempt` called when it is replaced.
     template <class Command> void judge_kind(trial_type& t, const Command& wanted) {
+        // A command in the machine's units is made ready by its facade only.
         if constexpr (requires {
                           detail::model_of_facade(t.drive());
-                          wanted.prepare(t.drive().cached());
+                          requires commands::is_preparable<Command, decltype(t.drive().cached())>;
                       }) {
             using model = decltype(detail::model_of_facade(t.drive()));
-            const command_kind kind = model::kinds[wanted.prepare(t.drive().cached()).then];
+            const command_kind kind = model::kinds[commands::prepared(wanted, t.drive().cached()).then];
             if (kind != command_kind::endless_motion && kind != command_kind::move)
                 judge_.broken("kit", "the command moves the motor, and its effect is of no kind of motion");
         }
