@@ -172,7 +172,7 @@ template <class List, class Setpoints = no_setpoints> struct lift_of {
 };
 using lift = lift_of<std::remove_const_t<decltype(homed)>>;
 
-// What still leaves a machine without its list after the next consent, if it is wrong.
+// A mistake at one of these times, in ms, leaves a machine without its list after the next consent.
 constexpr std::uint32_t moments[] = {0, 1, 5, 20, 60, 120};
 
 } // namespace

@@ -88,7 +88,7 @@ class motion_profile {
     constexpr time deceleration() const { return deceleration_; }
     constexpr speed top() const { return top_; }
 
-    /// It begins at most as fast as it runs, and runs.
+    /// A stored profile, or one whose top speed is above 0 and not below its start.
     constexpr bool has_order() const { return is_stored_ || (top_.count() > 0 && start_ <= top_); }
     /// Puts its four words in front of the arguments, or what the drive should hold behind a target; or gives
     /// the reason why not.
