@@ -101,8 +101,8 @@ class row_reader {
             return "type " + csv::shown(text) + " and table " + table_text(row_->table) +
                    " contradict each other";
         if (is_bit()) return {};
-        using enum value_kind;
-        for (const value_kind kind : {unsigned_word, signed_word, unsigned_pair, signed_pair}) {
+        for (const value_kind kind : {value_kind::unsigned_word, value_kind::signed_word,
+                                      value_kind::unsigned_pair, value_kind::signed_pair}) {
             if (text != servobus::text(kind)) continue;
             row_->entry.kind = kind;
             return {};

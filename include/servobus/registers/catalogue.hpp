@@ -18,15 +18,37 @@
 #include <servobus/registers/descriptions.hpp>
 #include <servobus/registers/profile.hpp>
 #include <servobus/registers/reg.hpp>
+#include <servobus/registers/value_form.hpp>
 
 namespace servobus {
 
-/// The type of a register's value.
-enum class value_kind : std::uint8_t { unsigned_word, signed_word, unsigned_pair, signed_pair };
+/// The type of a register's value. The four first are those of drives; registers/value_types.hpp has the others.
+enum class value_kind : std::uint8_t {
+    unsigned_word,
+    signed_word,
+    unsigned_pair,
+    signed_pair,
+    unsigned_quad,
+    signed_quad,
+    float_pair,
+    float_quad,
+    bcd_word,
+    bcd_pair,
+    sign_magnitude_word,
+    sign_magnitude_pair,
+    text,
+};
 
+/// The type's name in a map.
 constexpr const char* text(value_kind k) {
-    constexpr const char* names[] = {"u16", "i16", "u32", "i32"};
+    constexpr const char* names[] = {"u16", "i16",   "u32",   "i32",  "u64",  "i64", "f32",
+                                     "f64", "bcd16", "bcd32", "sm16", "sm32", "text"};
     return names[static_cast<unsigned>(k)];
+}
+/// The words of a value; 0 for a text, which states them itself.
+constexpr std::size_t words_of(value_kind k) {
+    constexpr std::uint8_t words[] = {1, 1, 2, 2, 4, 4, 2, 4, 1, 2, 1, 2, 0};
+    return words[static_cast<unsigned>(k)];
 }
 constexpr const char* text(access a) {
     constexpr const char* names[] = {"ro", "rw", "wo"};
@@ -105,10 +127,13 @@ struct entry {
     std::span<const named_value> values{};
     /// Of a pair whose word order is not that of its device; `unknown`: that of the profile.
     word_order own_word_order = word_order::unknown;
+    const value_form* form = nullptr; ///< null: the type says all
 
     constexpr std::size_t words() const {
-        return kind == value_kind::unsigned_pair || kind == value_kind::signed_pair ? 2 : 1;
+        return kind == value_kind::text && form != nullptr ? form->words : words_of(kind);
     }
+    /// True for some bits of a register, of which other entries may be parts too.
+    constexpr bool is_part() const { return form != nullptr && form->is_part(); }
     constexpr bool is_signed() const {
         return kind == value_kind::signed_word || kind == value_kind::signed_pair;
     }
@@ -232,10 +257,18 @@ struct catalogue {
     }
 };
 
-/// True if the addresses ascend and no entry overlaps the next.
+/// True if the addresses ascend and no entry overlaps the next. Parts of one register share its address, and no bit.
 constexpr bool is_in_order(std::span<const entry> entries) {
-    for (std::size_t i = 1; i < entries.size(); ++i) {
-        if (entries[i].address < entries[i - 1].address + entries[i - 1].words()) return false;
+    unsigned taken = 0; // bits of the register, by its parts so far
+    for (std::size_t i = 0; i < entries.size(); ++i) {
+        const entry& e = entries[i];
+        const bool shares =
+            i != 0 && e.address == entries[i - 1].address && e.is_part() && entries[i - 1].is_part();
+        if (i != 0 && !shares && e.address < entries[i - 1].address + entries[i - 1].words()) return false;
+        if (!shares) taken = 0;
+        if (!e.is_part()) continue;
+        if ((taken & e.form->mask()) != 0) return false;
+        taken |= e.form->mask();
     }
     return true;
 }

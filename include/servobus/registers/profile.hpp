@@ -87,6 +87,8 @@ struct profile {
     duration gap{};                ///< gap that the device needs before a request, if above t3.5
     std::uint8_t read_retries = 2; ///< a failed read is repeated at most so many times
     exception_table exceptions{};
+    bool writes_blocks_only =
+        false; ///< it refuses functions 05 and 06: a single row is written by 0Fh or 10h
 
     /// The manual's text for an exception number; "unknown exception" if it has none.
     constexpr const char* meaning(std::uint8_t number) const {
