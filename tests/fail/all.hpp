@@ -19,6 +19,7 @@
 #include "chassis.hpp"
 #include "drives.hpp"
 #include "gauge.hpp"
+#include "meters.hpp"
 #include "program.hpp"
 #include "served.hpp"
 #include "stepper.hpp"

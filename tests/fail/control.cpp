@@ -5,6 +5,7 @@
 #include <array>
 
 #include <servobus/any_device.hpp>
+#include <servobus/any_value.hpp>
 #include <servobus/axis/differential.hpp>
 #include <servobus/client/change_address.hpp>
 #include <servobus/client/settings_on_one_line.hpp>
@@ -29,6 +30,7 @@
 #include "chassis.hpp"
 #include "drives.hpp"
 #include "gauge.hpp"
+#include "meters.hpp"
 #include "program.hpp"
 #include "served.hpp"
 
@@ -375,6 +377,20 @@ int main() {
     servobus::stepped_write<decltype(servo), c630s::target_speed> target{servo};
     (void)target.begin(300, *servo.ram_only());
     (void)servo.write<c630s::position_segment_speeds>(2, 300, *servo.ram_only());
+    some_meters meter;
+    (void)meter.read<meters::current, meters::exponent>();
+    (void)meter.read<meters::current, meters::exponent>()->get<meters::current>();
+    (void)meter.change_bits<meters::mode>(3);
+    (void)meter.change_bits<meters::mode>(15);
+    (void)meter.change_bits<meters::mode_and_level, 0x000F>(3);
+    (void)meter.read<meters::mode, meters::level>();
+    const servobus::i32 watts = meter.read<meters::power>()->value_or({}).count();
+    const servobus::i32 volts = meter.read<meters::voltage>()->rounded(units::volt).value_or(0);
+    (void)meter.write<meters::target>(399.5f);
+    (void)meter.write<meters::target>(21.5f);
+    (void)meter.write<meters::name>("8 LETTER");
+    using one_register = servobus::with<servobus::u16, servobus::bits<0, 3>>;
+    using by_exponent = servobus::with<servobus::u16, servobus::ten_to<meters::exponent>>;
     some_basin io;
     (void)io.write<basin::valve>(true);
     (void)io.write<basin::valve, basin::pump>(true, false);

@@ -20,6 +20,8 @@ struct plain_tables {
     std::map<unsigned, unsigned> holding_registers{};
     std::map<unsigned, unsigned> input_registers{};
     std::vector<byte_list> requests{}; ///< PDUs
+    bool takes_blocks_only = false;    ///< refuses functions 05 and 06
+    unsigned toggle = 0;               ///< the word of function 05 that changes a coil to its other state
 
     /// The response PDU.
     byte_list answer(const byte_list& pdu) {
@@ -33,11 +35,17 @@ struct plain_tables {
         case 3: return words(code, holding_registers, word(1), word(3));
         case 4: return words(code, input_registers, word(1), word(3));
         case 5:
+            if (takes_blocks_only) return refused(1);
+            if (toggle != 0 && word(3) == toggle && has(coils, word(1), 1)) {
+                coils[word(1)] = !coils[word(1)];
+                return pdu;
+            }
             if (word(3) != 0xFF00 && word(3) != 0) return refused(3);
             if (!has(coils, word(1), 1)) return refused(2);
             coils[word(1)] = word(3) != 0;
             return pdu;
         case 6:
+            if (takes_blocks_only) return refused(1);
             if (!has(holding_registers, word(1), 1)) return refused(2);
             holding_registers[word(1)] = word(3);
             return pdu;

@@ -67,7 +67,7 @@ struct cyclic_request {
 template <const auto&... Rs> consteval cyclic_request request_of() {
     const auto& plan = readings<Rs...>::plan;
     const auto& first = plan.requests[0];
-    if constexpr ((is_in_other_table<Rs> || ...))
+    if constexpr ((needs_table_calls<Rs> || ...))
         return {first.code(), first.address, first.quantity,
                 static_cast<std::uint16_t>((first.size() + 1) / 2)};
     else

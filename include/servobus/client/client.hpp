@@ -22,6 +22,8 @@
 
 namespace servobus {
 
+struct coil_word; // registers/coil_value.hpp
+
 namespace detail {
 /// A read of a fixed node, in flash: the bytes alone.
 struct short_request {
@@ -88,7 +90,7 @@ class client : public raw_client<Line, Device, Node> {
         using row = row_type<R>;
         detail::check_device<Device, R>();
         static_assert(row::rights != access::wo, "this register is write-only");
-        if constexpr (detail::is_in_other_table<R>)
+        if constexpr (detail::needs_table_calls<R>)
             return other::template read_input<R>(*this);
         else
             return read_at<R>(R.address);
@@ -109,7 +111,7 @@ class client : public raw_client<Line, Device, Node> {
         static_assert(rows::rights != access::wo, "this register is write-only");
         detail::check_device<Device, Rows>();
         if (index >= rows::size) return errc::bad_argument;
-        if constexpr (detail::is_in_other_table<Rows>)
+        if constexpr (detail::needs_table_calls<Rows>)
             return other::template read_element<Rows>(*this, index);
         else
             return read_at<at<Rows, 0>>(Rows[index].address);
@@ -132,7 +134,7 @@ class client : public raw_client<Line, Device, Node> {
             return errc::bad_argument; // the assertion of `readings` is the only error
         } else {
             detail::check_device<Device, Rs...>();
-            if constexpr ((detail::is_in_other_table<Rs> || ...))
+            if constexpr ((detail::needs_table_calls<Rs> || ...))
                 return other::template read_rows<Rs...>(*this);
             else if constexpr (read_plan<Rs...>.overlaps)
                 return errc::bad_argument; // likewise
@@ -179,6 +181,11 @@ class client : public raw_client<Line, Device, Node> {
     constexpr status write(register_value<R> value) {
         return other::template write_coil<R, false>(*this, value);
     }
+    /// Sends another word than on and off to one coil, function 05: `write<relay_1>(coil_word{0x5500})`. The device
+    /// decides what the word means, so the state of the coil is unknown after it.
+    template <const auto& R, std::same_as<coil_word> Word>
+    requires is_bit<R>
+    constexpr status write(Word word) { return other::template write_coil_word<R>(*this, word); }
 
     /// Writes adjacent registers in one frame, function 10h, or adjacent coils, function 0Fh: all or nothing.
     template <const auto&... Rs>
@@ -196,6 +203,12 @@ class client : public raw_client<Line, Device, Node> {
     template <const auto& R, u16 Mask>
     requires is_register<R>
     constexpr status change_bits(u16 value) { return other::template change_bits<R, Mask>(*this, value); }
+    /// Sets a part of a register, which other rows have the rest of, function 16h: `change_bits<oven::mode>(3)`.
+    template <const auto& R>
+    requires is_register<R>
+    constexpr status change_bits(register_value<R> value) {
+        return other::template change_part<R>(*this, value);
+    }
 
     /// Writes the adjacent registers `Ws`, then reads the adjacent registers of `Reads`, which is `rows<Rs...>`, in one
     /// transaction: function 17h. Never repeated. Errors: as of a write.
@@ -305,7 +318,9 @@ class client : public raw_client<Line, Device, Node> {
         detail::check_wear<R>();
         detail::check_device<Device, R>();
         if (value.error() != errc::ok) return value.error();
-        if constexpr (raw::link_type::template are_cached<R>)
+        if constexpr (detail::takes_words<typename row_type<R>::value_type>)
+            return other::template put_words<R, true>(*this, R.address, value);
+        else if constexpr (raw::link_type::template are_cached<R>)
             return raw::template changed<true>(write_bits<row_type<R>::words, true>(R.address, value.bits()));
         else
             return write_bits<row_type<R>::words, true>(R.address, value.bits());
@@ -334,7 +349,9 @@ class client : public raw_client<Line, Device, Node> {
         if (!node_.is_valid()) return errc::bad_argument;
         // The answer to a setting of the line may be the last one at this address.
         constexpr bool is_last = has(R.flags, flag::communication);
-        if constexpr (raw::link_type::template are_cached<R>)
+        if constexpr (detail::takes_words<typename row_type<R>::value_type>)
+            return other::template put_words<R, false, is_last>(*this, R.address, value, on);
+        else if constexpr (raw::link_type::template are_cached<R>)
             return raw::changed(write_bits<row_type<R>::words, false, is_last>(R.address, value.bits(), on));
         else
             return write_bits<row_type<R>::words, false, is_last>(R.address, value.bits(), on);
@@ -347,7 +364,9 @@ class client : public raw_client<Line, Device, Node> {
         if (index >= rows::size) return errc::bad_argument;
         if (value.error() != errc::ok) return value.error();
         const u16 address = Rows[index].address;
-        if constexpr (raw::link_type::template has_cached_element<Rows>)
+        if constexpr (detail::takes_words<typename rows::value_type>)
+            return other::template put_words<at<Rows, 0>>(*this, address, value, on);
+        else if constexpr (raw::link_type::template has_cached_element<Rows>)
             return raw::written(address, rows::words, write_bits<rows::words>(address, value.bits(), on));
         else
             return write_bits<rows::words>(address, value.bits(), on);
@@ -357,10 +376,16 @@ class client : public raw_client<Line, Device, Node> {
         static_assert(row_type<R>::rights == access::rw, "this register is write-only");
         detail::check_device<Device, R>();
         if (value.error() != errc::ok) return value.error();
-        const result<u32> held = read_bits<words>(R.address);
-        if (!held) return held.status().with_sent(false);
-        const u32 mask = words == 2 ? 0xFFFF'FFFFu : 0xFFFFu;
-        if (((*held ^ value.bits()) & mask) == 0) return status::sent(errc::ok);
+        if constexpr (detail::takes_words<typename row_type<R>::value_type>) {
+            const result<bool> is_held = other::template holds<R>(*this, value);
+            if (!is_held) return is_held.status().with_sent(false);
+            if (*is_held) return status::sent(errc::ok);
+        } else {
+            const result<u32> held = read_bits<words>(R.address);
+            if (!held) return held.status().with_sent(false);
+            const u32 mask = words == 2 ? 0xFFFF'FFFFu : 0xFFFFu;
+            if (((*held ^ value.bits()) & mask) == 0) return status::sent(errc::ok);
+        }
         return put<R>(value);
     }
 
@@ -451,10 +476,16 @@ class client : public raw_client<Line, Device, Node> {
             errc wrong = errc::ok;
             const auto put = [&](const auto& value, std::size_t size) {
                 if (value.error() != errc::ok && wrong == errc::ok) wrong = value.error();
-                if (size == 2) {
-                    if (current_word_order() == word_order::unknown && wrong == errc::ok)
+                if constexpr (detail::stores_words<decltype(value)>) {
+                    detail::check_whole<std::remove_cvref_t<decltype(value)>>();
+                    if (value.needs_word_order && this->current_word_order() == word_order::unknown &&
+                        wrong == errc::ok)
                         wrong = errc::needs_word_order;
-                    const word_pair pair = split_words(value.bits(), node_.word_order);
+                    value.store(frame, used, this->node_.word_order);
+                } else if (size == 2) {
+                    if (this->current_word_order() == word_order::unknown && wrong == errc::ok)
+                        wrong = errc::needs_word_order;
+                    const word_pair pair = split_words(value.bits(), this->node_.word_order);
                     store_word(frame, used, pair.first);
                     store_word(frame, used + 2, pair.second);
                 } else {

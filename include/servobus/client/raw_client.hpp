@@ -186,6 +186,11 @@ class raw_client : protected detail::node_link<Line, Device, Node> {
     /// Writes one register. `AsksFirst`: an echo must be ruled out before the write leaves, not after it.
     template <bool IsBroadcast = false, bool AsksFirst = false>
     constexpr status write_one(u16 address, u16 value, const typename link::condition& on = {}) {
+        if constexpr (Device::facts.writes_blocks_only) {
+            std::uint8_t frame[11];
+            store_word(frame, 7, value);
+            return write_many<IsBroadcast, AsksFirst>(frame, address, on);
+        }
         modbus::frame<8> f =
             modbus::write_frame<crc>(IsBroadcast ? modbus::broadcast : node_.address, address, value);
         return write_framed<IsBroadcast, AsksFirst>(f.data, address, true, on);

@@ -29,7 +29,7 @@ template <class Client, const auto&... Rs> class stepped_read {
 
 /// Reads one register.
 template <class Client, const auto& R>
-requires(is_register<R> && !detail::is_in_other_table<R>) class stepped_read<Client, R>
+requires(is_register<R> && !detail::needs_table_calls<R>) class stepped_read<Client, R>
     : public detail::stepped_request<typename Client::link_type> {
     using base = detail::stepped_request<typename Client::link_type>;
     using row = row_type<R>;
@@ -59,7 +59,7 @@ requires(is_register<R> && !detail::is_in_other_table<R>) class stepped_read<Cli
 
 /// Reads one element of an array of registers.
 template <class Client, const auto& Rows>
-requires(is_register_array<Rows> && !detail::is_in_other_table<Rows>) class stepped_read<Client, Rows>
+requires(is_register_array<Rows> && !detail::needs_table_calls<Rows>) class stepped_read<Client, Rows>
     : public detail::stepped_request<typename Client::link_type> {
     using base = detail::stepped_request<typename Client::link_type>;
     using rows = row_type<Rows>;
@@ -89,7 +89,7 @@ requires(is_register_array<Rows> && !detail::is_in_other_table<Rows>) class step
 
 /// Reads several registers in the fewest requests. If one request fails there is no value at all.
 template <class Client, const auto&... Rs>
-requires(sizeof...(Rs) > 1 && !(detail::is_in_other_table<Rs> || ...)) class stepped_read<Client, Rs...>
+requires(sizeof...(Rs) > 1 && !(detail::needs_table_calls<Rs> || ...)) class stepped_read<Client, Rs...>
     : public detail::stepped_request<typename Client::link_type> {
     using base = detail::stepped_request<typename Client::link_type>;
     static_assert((belongs_to<typename row_type<Rs>::device, typename Client::device> && ...),

@@ -59,7 +59,7 @@ class stepped_read_one : public stepped_table_request<typename Client::link_type
 
 /// Reads one coil, discrete input or input register.
 template <class Client, const auto& R>
-requires(detail::is_in_other_table<R> && !is_register_array<R>) class stepped_read<Client, R>
+requires(detail::needs_table_calls<R> && !is_register_array<R>) class stepped_read<Client, R>
     : public detail::stepped_read_one<Client, R> {
     using base = detail::stepped_read_one<Client, R>;
 
@@ -74,7 +74,7 @@ requires(detail::is_in_other_table<R> && !is_register_array<R>) class stepped_re
 
 /// Reads one element of an array of coils, discrete inputs or input registers.
 template <class Client, const auto& Rows>
-requires(detail::is_in_other_table<Rows>&& is_register_array<Rows>) class stepped_read<Client, Rows>
+requires(detail::needs_table_calls<Rows>&& is_register_array<Rows>) class stepped_read<Client, Rows>
     : public detail::stepped_read_one<Client, at<Rows, 0>> {
     using base = detail::stepped_read_one<Client, at<Rows, 0>>;
 
@@ -93,7 +93,7 @@ requires(detail::is_in_other_table<Rows>&& is_register_array<Rows>) class steppe
 
 /// Reads rows of several tables, or of one, in the fewest requests. If one request fails there is no value at all.
 template <class Client, const auto&... Rs>
-requires(sizeof...(Rs) > 1 && (detail::is_in_other_table<Rs> || ...)) class stepped_read<Client, Rs...>
+requires(sizeof...(Rs) > 1 && (detail::needs_table_calls<Rs> || ...)) class stepped_read<Client, Rs...>
     : public detail::stepped_table_request<typename Client::link_type> {
     using base = detail::stepped_table_request<typename Client::link_type>;
     using values = readings<Rs...>;
@@ -164,12 +164,17 @@ class stepped_put<Client, Wears, R> : public stepped_table_request<typename Clie
         check_coils<typename Client::device, Wears, R>();
         return base::begin_coil(frame_, R.address, value.bits() != 0);
     }
+    /// Begins to send another word than on and off. Errors: likewise.
+    constexpr status begin(coil_word word) {
+        check_coils<typename Client::device, Wears, R>();
+        return base::begin_coil_word(frame_, R.address, word.value);
+    }
     constexpr duration step() {
         return base::template move_on<call_of::tables>(frame_);
     } ///< as of one register
 
   private:
-    std::uint8_t frame_[8];
+    std::uint8_t frame_[base::coil_room];
 };
 
 template <class Client, bool Wears, const auto& Rows>
@@ -192,7 +197,7 @@ requires(is_register_array<Rows>&& has_bits<Rows>) class stepped_put<Client, Wea
     } ///< as of one register
 
   private:
-    std::uint8_t frame_[8];
+    std::uint8_t frame_[base::coil_room];
 };
 
 template <class Client, bool Wears, const auto&... Rs>
@@ -221,27 +226,40 @@ requires(sizeof...(Rs) > 1 && (is_bit<Rs> || ...)) class stepped_put<Client, Wea
 };
 } // namespace detail
 
-/// Changes bits of a register: a stepped `Client::change_bits<R, Mask>(value)`.
-template <class Client, const auto& R, u16 Mask>
+/// Changes bits of a register: a stepped `Client::change_bits<R, Mask>(value)`; of a part of a register, without a
+/// mask, `Client::change_bits<R>(value)`.
+template <class Client, const auto& R, u16 Mask = detail::part_mask<R>()>
 class stepped_change_bits : public detail::stepped_table_request<typename Client::link_type> {
     using base = detail::stepped_table_request<typename Client::link_type>;
+    static constexpr bool is_part = detail::is_part<typename row_type<R>::value_type>;
 
   public:
     // cppcheck-suppress uninitMemberVar ; a request fills it, and a small core has no memset
     constexpr explicit stepped_change_bits(Client& of) : base{base::link_of(of)} {}
 
     /// Begins to set the bits of `Mask` to those of `value`. Errors: `busy`, `bad_argument`.
-    constexpr status begin(u16 value) {
+    constexpr status begin(u16 value) requires(!is_part) {
         detail::check_mask<typename Client::device, R, Mask>();
+        return begin_change(value);
+    }
+    /// Begins to set the part to `value`. Errors: likewise, and the value's own.
+    constexpr status begin(register_value<R> value) requires is_part {
+        detail::check_part<typename Client::device, R>();
         if (!base::done()) return errc::busy;
-        change_ = base::template change_of<is_cached>(true);
-        return base::begin_masked(frame_, R.address, static_cast<u16>(~Mask), static_cast<u16>(value & Mask));
+        if (value.error() != errc::ok) return base::refused(value.error());
+        return begin_change(static_cast<u16>(value.bits()));
     }
     constexpr duration step() {
         return base::template move_on_and_note<detail::call_of::masked>(frame_, change_);
     } ///< as of a write
 
   private:
+    constexpr status begin_change(u16 value) {
+        if (!base::done()) return errc::busy;
+        change_ = base::template change_of<is_cached>(true);
+        return base::begin_masked(frame_, R.address, static_cast<u16>(~Mask), static_cast<u16>(value & Mask));
+    }
+
     static constexpr bool is_cached = Client::link_type::template are_cached<R>;
     [[no_unique_address]] detail::change_note<is_cached> change_{};
     std::uint8_t frame_[10];
@@ -288,8 +306,7 @@ class stepped_write_then_read : public detail::stepped_table_request<typename Cl
         } else if (plan::values::has_pairs && order == word_order::unknown) {
             read.fail(errc::needs_word_order);
         } else {
-            words_view{bytes{frame_}.subspan(3, std::size_t{2} * plan::read.words)}.copy_to(read->words());
-            read->set_word_order(order);
+            plan::take(read, bytes{frame_}.subspan(3, std::size_t{2} * plan::read.words), order);
         }
         return read;
     }

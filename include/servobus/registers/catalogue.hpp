@@ -161,6 +161,13 @@ struct entry {
 };
 
 namespace detail {
+// The hooks of registers/value_forms.hpp.
+template <class T> inline constexpr value_kind kind_of_coded = value_kind::unsigned_word;
+template <class T> struct form_of {
+    static_assert(
+        sizeof(T) == 0,
+        "a catalogue with floats, 64 bits, text or parts: include servobus/registers/value_forms.hpp");
+};
 template <class T> constexpr value_kind kind_of() {
     if constexpr (std::is_same_v<T, i16> || std::is_same_v<T, left_right<std::int8_t>>) {
         return value_kind::signed_word;
@@ -168,6 +175,8 @@ template <class T> constexpr value_kind kind_of() {
         return value_kind::unsigned_pair;
     } else if constexpr (std::is_same_v<T, i32>) {
         return value_kind::signed_pair;
+    } else if constexpr (has_codec<T>) {
+        return form_of<T>::kind;
     } else {
         return value_kind::unsigned_word;
     }
@@ -179,9 +188,15 @@ template <class T, access A, class D>
 constexpr entry list(label name, const reg<T, A, D>& row, naming names = naming::number,
                      std::span<const named_value> values = {}) {
     detail::check_row(row);
-    return {row.address, name,        detail::kind_of<T>(), A,
+    entry e{row.address, name,        detail::kind_of<T>(), A,
             row.limits,  row.initial, row.unit_of_count,    row.flags,
             names,       values};
+    if constexpr (detail::has_codec<T>) {
+        if (!row.limits.is_stated) e.limits = full<T>;
+        e.form = detail::form_of<T>::form;
+        e.own_word_order = detail::form_of<T>::own_word_order;
+    }
+    return e;
 }
 
 /// The catalogue's entries of an array of rows. Their names are numbered from 1, as in the manuals:

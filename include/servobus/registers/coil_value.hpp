@@ -14,6 +14,11 @@
 
 namespace servobus {
 
+/// Another word than on (FF00h) and off (0000h) that function 05 sends to a coil: 5500h toggles many relays.
+struct coil_word {
+    u16 value;
+};
+
 /// A value to be written to coil `R`. A number does not compile: a coil is FF00h or 0000h on the line, and neither 1
 /// nor 2 says which.
 template <const auto& R>

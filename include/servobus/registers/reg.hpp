@@ -101,6 +101,8 @@ inline void a_scaled_register_has_a_unit() {}
 inline void elements_of_an_array_do_not_overlap() {}
 inline void an_array_ends_inside_the_address_space() {}
 
+template <class T> struct codec; // registers/values.hpp
+
 /// The limits and the number of words of a value's type.
 struct shape {
     std::int64_t low;
@@ -142,12 +144,15 @@ enum class row_fault : std::uint8_t {
 /// The first contradiction of a row: the range must lie in the type, the default in the range.
 template <class T, access Rights, class Device>
 constexpr row_fault fault_of(const reg<T, Rights, Device>& row) {
-    static_assert(wire_value<T>, "a register holds an integer of 16 or 32 bits, a 16-bit enumeration or a "
-                                 "class that packs one word");
+    static_assert(wire_value<T> || has_codec<T>,
+                  "a register holds an integer of 16 or 32 bits, a 16-bit enumeration or a "
+                  "class that packs one word; servobus/any_value.hpp has other values");
+    if constexpr (has_codec<T>) codec<T>::check();
     const shape of = shape_of<T>;
     const range within = row.limits;
     if (within.low > within.high) return row_fault::range_order;
-    if (within.low < of.low || within.high > of.high) return row_fault::range_in_type;
+    if ((within.low < of.low || within.high > of.high) && (within.is_stated || !has_codec<T>))
+        return row_fault::range_in_type;
     if (row.initial != no_default && !within.contains(row.initial)) return row_fault::default_in_range;
     if (row.unit_of_count.of == measure::none && !row.unit_of_count.is_plain()) return row_fault::unit;
     if (row.address > 0x1'0000 - of.words) return row_fault::last_address;
@@ -238,9 +243,10 @@ namespace detail {
 template <class Row> inline constexpr table table_of_row = table::holding_registers;
 template <class Row, std::size_t N>
 inline constexpr table table_of_row<reg_array<Row, N>> = table_of_row<Row>;
+// The rows that the calls of any_device.hpp read: those of other tables, and those whose codec takes words.
 template <const auto& R>
-concept is_in_other_table = table_of_row<std::remove_cvref_t<decltype(R)>>
-!= table::holding_registers;
+concept needs_table_calls = table_of_row<std::remove_cvref_t<decltype(R)>>
+!= table::holding_registers || takes_words<typename std::remove_cvref_t<decltype(R)>::value_type>;
 // The device of a row or of an array of rows.
 template <const auto& R>
 concept has_bits = table_of_row<std::remove_cvref_t<decltype(R)>>

@@ -62,7 +62,7 @@ template <class V> inline constexpr bool is_bool_or_character<raw_value<V>> = is
 template <const auto& R>
 inline constexpr bool takes_bare_numbers =
     !has(R.flags, flag::scaled_elsewhere) && R.unit_of_count.is_plain() &&
-    wire_integer<typename row_type<R>::value_type>;
+    is_counted<typename row_type<R>::value_type>;
 
 } // namespace detail
 
@@ -101,9 +101,9 @@ template <const auto& R, class V> constexpr counted count_of(V value) {
         }
     } else if constexpr (is_raw<V>::value) {
         return {widened(value.value), errc::ok};
-    } else if constexpr (std::same_as<V, T> && !wire_integer<T>) {
+    } else if constexpr (std::same_as<V, T> && !is_counted<T>) {
         return {std::int64_t{to_bits<T>(value)}, errc::ok};
-    } else if constexpr (!std::integral<V> || !wire_integer<T>) {
+    } else if constexpr (!std::integral<V> || !is_counted<T>) {
         static_assert(sizeof(V) == 0, "this register takes a value of its own type");
         return {};
     } else {
@@ -115,6 +115,32 @@ template <const auto& R, class V> constexpr counted count_of(V value) {
 }
 
 namespace detail {
+// The hook of registers/values.hpp.
+template <class T> struct codec {
+    static_assert(sizeof(T) == 0,
+                  "floats, 64 bits, text and parts of a register: include servobus/any_value.hpp");
+};
+// A value that stores its words itself, by `store(frame, at, order)`: of registers/values.hpp.
+template <class Value>
+concept stores_words = requires {
+    std::remove_cvref_t<Value>::needs_word_order;
+};
+/// True for a value whose words come in the device's order.
+template <const auto& R> constexpr bool needs_word_order() {
+    if constexpr (is_bit<R>)
+        return false;
+    else if constexpr (has_codec<typename row_type<R>::value_type>)
+        return codec<typename row_type<R>::value_type>::needs_word_order;
+    else
+        return row_type<R>::words == 2;
+}
+/// True for a value that another row scales.
+template <const auto& R> constexpr bool is_scaled() {
+    if constexpr (has_codec<typename row_type<R>::value_type>)
+        return codec<typename row_type<R>::value_type>::scale::exists;
+    else
+        return false;
+}
 // A concept: clang evaluates a bare constraint even when `register_value` is named with an array of
 // registers.
 template <const auto& R>
@@ -190,11 +216,17 @@ template <const auto& R> constexpr auto reading_of(u32 bits) {
     } else if constexpr (is_register_array<
                              R>) { // clang++ asks for it before it drops an overload for one row
         return detail::no_reading{};
+    } else if constexpr (detail::has_codec<T>) {
+        static_assert(!detail::is_scaled<R>(),
+                      "another row scales this one: name both, read<power, power_exponent>()");
+        return detail::codec<T>::template value_of<R>(bits);
     } else if constexpr (wire_integer<T> && R.unit_of_count.of != measure::none &&
                          !has(R.flags, flag::scaled_elsewhere)) {
         return quantity<R.unit_of_count, T>{from_bits<T>(bits)};
-    } else {
+    } else if constexpr (wire_value<T>) {
         return from_bits<T>(bits);
+    } else { // the row's own error is the only one
+        return detail::no_reading{};
     }
 }
 
@@ -206,12 +238,13 @@ template <const auto& R> using reading = decltype(reading_of<R>(0));
 /// itself, the code of an enumeration, the word of a class that unpacks one, and 0 or 1 of a coil.
 template <class T>
 requires(detail::is_quantity<T>::value || std::same_as<T, bool> ||
-         wire_value<T>) constexpr auto count_of(const T& value) {
+         (std::integral<T> && !detail::is_bool_or_character<T>) || std::is_enum_v<T> ||
+         packed_word<T>) constexpr auto count_of(const T& value) {
     if constexpr (detail::is_quantity<T>::value) {
         return value.count();
     } else if constexpr (packed_word<T>) {
         return value.to_word();
-    } else if constexpr (wire_enum<T>) {
+    } else if constexpr (std::is_enum_v<T>) {
         return static_cast<std::underlying_type_t<T>>(value);
     } else if constexpr (std::same_as<T, bool>) {
         return static_cast<u16>(value ? 1 : 0);

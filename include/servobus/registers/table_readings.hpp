@@ -51,6 +51,7 @@ struct table_row {
     table of;
     u16 address;
     u16 quantity;
+    bool is_part = false; // of a register; the read may have its other parts too
 };
 
 constexpr bool comes_before(const table_row& a, const table_row& b) {
@@ -81,10 +82,14 @@ template <std::size_t N> constexpr table_plan<N> plan_tables(table_row (&&rows)[
         rows[j] = row;
     }
     table_plan<N> p;
-    for (const table_row& row : rows) {
+    for (std::size_t i = 0; i < N; ++i) {
+        const table_row& row = rows[i];
         table_extent* last = p.count == 0 ? nullptr : &p.requests[p.count - 1];
         if (last != nullptr && last->of != row.of) last = nullptr;
-        if (last != nullptr && row.address < last->address + last->quantity) p.overlaps = true;
+        if (last != nullptr && row.address < last->address + last->quantity) {
+            if (row.is_part && rows[i - 1].is_part && row.address == rows[i - 1].address) continue;
+            p.overlaps = true;
+        }
         const bool is_next = last != nullptr && row.address == last->address + last->quantity;
         const u16 most = row.of <= table::discrete_inputs ? most_bits : most_registers;
         if (is_next && last->quantity + row.quantity <= most)
@@ -108,13 +113,8 @@ template <const auto& R> constexpr table_row table_row_of() {
     else if constexpr (is_bit<R>)
         return {table_of<R>, R.address, 1};
     else
-        return {table_of<R>, R.address, static_cast<u16>(row_type<R>::words)};
-}
-template <const auto& R> constexpr bool is_pair() {
-    if constexpr (is_bit<R>)
-        return false;
-    else
-        return row_type<R>::words == 2;
+        return {table_of<R>, R.address, static_cast<u16>(row_type<R>::words),
+                is_part<typename row_type<R>::value_type>};
 }
 
 template <const auto&... Rs>
@@ -129,7 +129,7 @@ inline constexpr table_extent only_request = read_plan_of_tables<Rs...>.requests
 
 /// The result of reading rows of any tables: what the requests brought, from which `get` decodes the value of each row.
 template <const auto&... Rs>
-requires(detail::is_in_other_table<Rs> || ...) class readings<Rs...> {
+requires(detail::needs_table_calls<Rs> || ...) class readings<Rs...> {
     static_assert((!is_register_array<Rs> && ...), "an element of an array is a row by name: at<rows, i>");
     static_assert(detail::same_device<Rs...>::value, "a read has rows of one device");
     static_assert(((row_type<Rs>::rights != access::wo) && ...), "this row is write-only");
@@ -138,7 +138,7 @@ requires(detail::is_in_other_table<Rs> || ...) class readings<Rs...> {
   public:
     static constexpr const auto& plan = detail::read_plan_of_tables<Rs...>;
     static constexpr bool is_one_frame = plan.count == 1; ///< all values are of the same moment
-    static constexpr bool has_pairs = (detail::is_pair<Rs>() || ...);
+    static constexpr bool has_pairs = (detail::needs_word_order<Rs>() || ...);
 
     // cppcheck-suppress uninitMemberVar ; `clear` does it
     constexpr readings() { clear(); }
@@ -162,6 +162,15 @@ requires(detail::is_in_other_table<Rs> || ...) class readings<Rs...> {
         constexpr std::size_t index = static_cast<std::size_t>(R.address - from.address);
         if constexpr (is_bit<R>) {
             return (data_[from.offset + index / 8] >> index % 8 & 1u) != 0;
+        } else if constexpr (detail::takes_words<typename row_type<R>::value_type>) {
+            using codec = detail::codec<typename row_type<R>::value_type>;
+            const auto word_at = [&](std::size_t i) {
+                return load_word(bytes{data_}, from.offset + 2 * (index + i));
+            };
+            if constexpr (detail::is_scaled<R>())
+                return codec::template value_in<R>(word_at, word_order_.value(), scale_of<codec>());
+            else
+                return codec::template value_in<R>(word_at, word_order_.value());
         } else if constexpr (row_type<R>::words == 2) {
             const bytes at = bytes{data_}.subspan(from.offset + 2 * index, 4);
             return reading_of<R>(join_words(load_word(at, 0), load_word(at, 2), word_order_.value()));
@@ -182,6 +191,16 @@ requires(detail::is_in_other_table<Rs> || ...) class readings<Rs...> {
     }
 
   private:
+    template <class Codec> constexpr std::int64_t scale_of() const {
+        constexpr bool is_read = (detail::is_same_register<Codec::scale::row, Rs> || ...);
+        static_assert(is_read || sizeof...(Rs) == 1,
+                      "another row scales this one: name both, read<power, power_exponent>()");
+        if constexpr (is_read) // else the assertion is the only error
+            return static_cast<std::int64_t>(count_of(this->template get<Codec::scale::row>()));
+        else
+            return 0;
+    }
+
     alignas(u16) std::uint8_t data_[plan.bytes]; // so a result of few bytes is returned in a register
     [[no_unique_address]] detail::kept_word_order<typename detail::same_device<Rs...>::device> word_order_{};
 };

@@ -49,6 +49,15 @@ template <> inline constexpr bool is_wire_integer<i32> = true;
 template <class T> inline constexpr std::size_t words_in = 1;
 template <> inline constexpr std::size_t words_in<u32> = 2;
 template <> inline constexpr std::size_t words_in<i32> = 2;
+
+// True for a type whose values are counts: integers.
+template <class T> inline constexpr bool is_counted = is_wire_integer<T>;
+// The hooks of registers/values.hpp. True for its types, whose values a codec makes.
+template <class T> inline constexpr bool has_codec = false;
+// True if the codec takes the words of a frame, not 32 bits: of more words, of an order of its own, of a part.
+template <class T> inline constexpr bool takes_words = false;
+// True for some bits of a register, of which other rows may be parts too.
+template <class T> inline constexpr bool is_part = false;
 } // namespace detail
 
 /// An integer of one or two registers: `u16`, `i16`, `u32`, `i32`.

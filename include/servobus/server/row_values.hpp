@@ -187,10 +187,16 @@ template <const auto&... Rows> class row_values {
     }
     template <const auto& R, const auto& Element, class V>
     constexpr status set_checked(std::size_t i, checked_value<V> v) {
-        const counted c = count_of<Element>(v.value);
-        if (c.error != errc::ok) return c.error;
-        if (!Element.limits.contains(c.count)) return errc::out_of_range;
-        store<R>(i, static_cast<u32>(static_cast<std::uint64_t>(c.count)));
+        if constexpr (detail::has_codec<typename row_type<Element>::value_type>) {
+            const auto wanted = stored_value<Element>::encoded(v.value);
+            if (wanted.error != errc::ok) return wanted.error;
+            store<R>(i, stored_value<Element>::bits_of(wanted.number));
+        } else {
+            const counted c = count_of<Element>(v.value);
+            if (c.error != errc::ok) return c.error;
+            if (!Element.limits.contains(c.count)) return errc::out_of_range;
+            store<R>(i, static_cast<u32>(static_cast<std::uint64_t>(c.count)));
+        }
         return errc::ok;
     }
 

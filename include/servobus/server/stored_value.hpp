@@ -72,6 +72,11 @@ template <const auto& R> class stored_value {
     }
 
     u32 bits_ = 0;
+
+    // Last: clang++ has no member that follows a failed assertion, and would print an error for each that is used.
+    static_assert(!detail::has_codec<value_type>,
+                  "a server of floats, decimal digits, offsets or values that may be none: include "
+                  "servobus/server/stored_number.hpp");
 };
 
 } // namespace servobus

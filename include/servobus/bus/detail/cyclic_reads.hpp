@@ -95,10 +95,13 @@ template <const auto& Plan, class Line, class... Drives> class cyclic_reads {
     }
     template <const auto& R>
     constexpr result<reading<R>> latest_row(place_of_rows at, duration oldest) const {
-        constexpr bool is_pair = addresses_in<row_type<R>> == 2;
+        constexpr bool is_pair = needs_word_order<R>();
         if (const status why = why_not(at.read, oldest, is_pair); !why) return why;
         if constexpr (is_bit<R>)
             return reading_of<R>(bit_at(at.offset));
+        else if constexpr (takes_words<typename row_type<R>::value_type>)
+            return codec<typename row_type<R>::value_type>::template value_in<R>(
+                [&](std::size_t i) { return words_[at.offset + i]; }, taken_in(at.read));
         else if constexpr (is_pair)
             return reading_of<R>(join_words(words_[at.offset], words_[at.offset + 1], taken_in(at.read)));
         else

@@ -28,7 +28,7 @@ inline constexpr std::size_t words_of_entry<cyclic_read<Rs...>> = request_of<Rs.
 
 template <class T> inline constexpr bool is_of_other_table = false;
 template <const auto&... Rs>
-inline constexpr bool is_of_other_table<cyclic_read<Rs...>> = (is_in_other_table<Rs> || ...);
+inline constexpr bool is_of_other_table<cyclic_read<Rs...>> = (needs_table_calls<Rs> || ...);
 
 template <class T> inline constexpr bool has_pairs = false;
 template <const auto&... Rs> inline constexpr bool has_pairs<cyclic_read<Rs...>> = readings<Rs...>::has_pairs;

@@ -25,4 +25,10 @@ template <const auto& R> constexpr void check_wear() {
                   "what ram_only() gives");
 }
 
+/// `Value`: one that stores its words itself.
+template <class Value> constexpr void check_whole() {
+    static_assert(!Value::is_part,
+                  "a part of a register is written by change_bits<R>(value): the other bits are not known");
+}
+
 } // namespace servobus::detail

@@ -57,20 +57,39 @@ template <class Device, const auto&... Rs> struct coils_plan {
     }
 };
 
-template <class Device, const auto& R, u16 Mask> constexpr void check_mask() {
-    using row = row_type<R>;
+/// The bits of a register that row `R` is a part of.
+template <const auto& R> constexpr u16 part_mask() {
+    using T = typename row_type<R>::value_type;
+    if constexpr (is_part<T>)
+        return static_cast<u16>(codec<T>::mask << codec<T>::options.first_bit);
+    else
+        return 0; // refused by `check_part`
+}
+template <class Device, const auto& R> constexpr void check_changed() {
     check_device<Device, R>();
     check_wear<R>();
-    static_assert(table_of<R> == table::holding_registers && row::rights == access::rw,
+    static_assert(table_of<R> == table::holding_registers && row_type<R>::rights == access::rw,
                   "function 16h changes holding registers that can be read and written");
+    static_assert(!is_setting<Device, R>,
+                  "a setting of the line, of the word order or of the memory is written "
+                  "by write()");
+}
+template <class Device, const auto& R> constexpr void check_part() {
+    static_assert(
+        is_part<typename row_type<R>::value_type>,
+        "change_bits<R>(value) is for a part of a register: name the bits, change_bits<R, mask>(value)");
+    check_changed<Device, R>();
+}
+template <class Device, const auto& R, u16 Mask> constexpr void check_mask() {
+    using row = row_type<R>;
+    check_changed<Device, R>();
+    static_assert(!is_part<typename row::value_type>,
+                  "a part of a register is changed by change_bits<R>(value)");
     static_assert(row::words == 1 && R.limits.low <= shape_of<typename row::value_type>.low &&
                       R.limits.high >= shape_of<typename row::value_type>.high &&
                       !has(R.flags, flag::zero_by_name),
                   "function 16h could take this register out of its range");
     static_assert(Mask != 0, "a change of no bit");
-    static_assert(!is_setting<Device, R>,
-                  "a setting of the line, of the word order or of the memory is written "
-                  "by write()");
 }
 
 /// The adjacent registers of a function 17h.
@@ -83,6 +102,9 @@ struct both_extents {
 template <class Device, class Reads, const auto&... Ws> struct both_plan {
     static_assert(sizeof(Reads) == 0, "what is read is rows<...>");
 };
+template <const auto&... Rs> constexpr u16 words_read() {
+    return static_cast<u16>((row_type<Rs>::words + ... + 0)); // all adjacent
+}
 template <class Device, const auto&... Rs, const auto&... Ws> struct both_plan<Device, rows<Rs...>, Ws...> {
     static constexpr bool are_holding = ((table_of<Ws> == table::holding_registers) && ...) &&
                                         ((table_of<Rs> == table::holding_registers) && ...);
@@ -92,9 +114,9 @@ template <class Device, const auto&... Rs, const auto&... Ws> struct both_plan<D
                   "function 17h writes at most 121 registers");
 
     using values = readings<Rs...>;
-    static constexpr extent read = values::plan.requests[0];
+    static constexpr extent read{values::plan.requests[0].address, words_read<Rs...>()};
     static constexpr both_extents extents{read, {write_plan<Ws...>::rows[0].address, words_written}};
-    static constexpr bool has_pairs = values::has_pairs || ((row_type<Ws>::words == 2) || ...);
+    static constexpr bool has_pairs = values::has_pairs || (needs_word_order<Ws>() || ...);
     static constexpr std::size_t request = 13 + 2 * words_written;
     static constexpr std::size_t response = 5 + 2 * std::size_t{read.words};
     static constexpr std::size_t room = request < response ? response : request;
@@ -106,6 +128,14 @@ template <class Device, const auto&... Rs, const auto&... Ws> struct both_plan<D
         check_device<Device, Ws...>();
         (check_wear<Ws>(), ...);
     }
+    /// Takes the data of a response.
+    static constexpr void take(result<values>& to, bytes data, word_order order) {
+        if constexpr (requires { to->words(); })
+            words_view{data}.copy_to(to->words());
+        else
+            (void)to->take(0, data); // registers: no bit is wrong
+        to->set_word_order(order);
+    }
     /// Stores the words to write behind the head of the request. Returns the first error of the values.
     static constexpr errc put(std::uint8_t* frame, word_order order, const register_value<Ws>&... values) {
         errc wrong = errc::ok;
@@ -113,8 +143,11 @@ template <class Device, const auto&... Rs, const auto&... Ws> struct both_plan<D
         const auto put_one = [&](const auto& value, std::size_t words) {
             if (value.error() != errc::ok && wrong == errc::ok) wrong = value.error();
             const byte_buffer to{frame, request};
-            const word_pair pair = split_words(value.bits(), order);
-            if (words == 2) {
+            if constexpr (stores_words<decltype(value)>) {
+                check_whole<std::remove_cvref_t<decltype(value)>>();
+                value.store(to, at, order);
+            } else if (words == 2) {
+                const word_pair pair = split_words(value.bits(), order);
                 store_word(to, at, pair.first);
                 store_word(to, at + 2, pair.second);
             } else {

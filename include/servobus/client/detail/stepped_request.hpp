@@ -65,7 +65,8 @@ template <class Link> class stepped_request {
     }
     /// `asks_first`: a read goes first. Its frame lies after that of the write, which is kept.
     static constexpr std::size_t write_room(std::size_t words, bool asks_first) {
-        return (words == 1 ? shortest_room : 9 + 2 * words) + (asks_first ? shortest_room : 0);
+        const bool is_short = words == 1 && !Link::writes_blocks_only;
+        return (is_short ? shortest_room : 9 + 2 * words) + (asks_first ? shortest_room : 0);
     }
 
     /// For a read of any table: of the longer one of request and response, and the quantity behind them.
@@ -111,12 +112,32 @@ template <class Link> class stepped_request {
             on.use(order);
             (void)store_value({frame, 13}, 7, bits, 2, order);
             return begin_block(frame, 2, address, on, asks_first);
+        } else if constexpr (Link::writes_blocks_only) {
+            store_word({frame, 9}, 7, static_cast<u16>(bits));
+            return begin_block(frame, 1, address, on, asks_first);
         } else {
             const byte_buffer request{frame, 8};
             request[0] = node().address;
             (void)modbus::put_write_request(request.subspan(1), address, static_cast<u16>(bits));
             (void)modbus::close_trusted<crc>(request, 5);
             return begin_write(frame, 8, on, asks_first);
+        }
+    }
+    /// Writes a value that stores its words itself.
+    template <std::size_t Words, class Value>
+    constexpr errc begin_words(std::uint8_t* frame, u16 address, const Value& value, condition on,
+                               bool asks_first) {
+        if (!done()) return errc::busy;
+        const word_order order = value.needs_word_order ? current_order() : word_order::high_first;
+        if (order == word_order::unknown) return refused(errc::needs_word_order);
+        if constexpr (Words == 1) {
+            std::uint8_t word[2];
+            value.store(word, 0, order);
+            return begin_value<1>(frame, address, load_word(word, 0), on, asks_first);
+        } else {
+            if constexpr (Value::needs_word_order) on.use(order);
+            value.store({frame, 7 + 2 * Words}, 7, order);
+            return begin_block(frame, Words, address, on, asks_first);
         }
     }
     /// Writes the words that lie in `frame` from its byte 7 on.

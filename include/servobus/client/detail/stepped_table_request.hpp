@@ -20,6 +20,8 @@ template <class Link> class stepped_table_request : public stepped_request<Link>
     using base = stepped_request<Link>;
 
   protected:
+    static constexpr std::size_t coil_room = Link::writes_blocks_only ? 10 : 8;
+
     constexpr explicit stepped_table_request(Link& of) : base{of} {}
 
     /// Reads rows of any table. `frame` has `part_room` of the response.
@@ -36,8 +38,19 @@ template <class Link> class stepped_table_request : public stepped_request<Link>
     }
     /// Writes a coil by function 05, or coils whose bits lie in `frame` from its byte 7 on by 0F.
     constexpr errc begin_coil(std::uint8_t* frame, u16 address, bool is_on) {
+        if constexpr (Link::writes_blocks_only) {
+            if (!base::done()) return errc::busy;
+            frame[7] = is_on ? 1 : 0;
+            return begin_coils(frame, address, 1);
+        } else {
+            return begin_coil_word(frame, address, is_on ? u16{0xFF00} : u16{0});
+        }
+    }
+    /// Function 05 with any word.
+    constexpr errc begin_coil_word(std::uint8_t* frame, u16 address, u16 word) {
+        static_assert(!Link::writes_blocks_only, "this device takes no function 05");
         if (const errc no = refusal(); no != errc::ok) return no;
-        modbus::put_write_coil_request({frame + 1, 5}, address, is_on);
+        modbus::put_trusted_request({frame + 1, 5}, modbus::function::write_single_coil, address, word);
         return begin_bits(frame, 8, address);
     }
     constexpr errc begin_coils(std::uint8_t* frame, u16 address, u16 count) {

@@ -47,10 +47,17 @@ template <class Line, device_class Device, class Node> struct table_calls<client
         if constexpr (has_bits<Rows>) {
             return bit_of(of, one);
         } else {
-            if (words == 2 && of.current_word_order() == word_order::unknown) return errc::needs_word_order;
+            constexpr bool needs_order = needs_word_order<at<Rows, 0>>();
+            using type = typename row_type<Rows>::value_type;
+            if (needs_order && of.current_word_order() == word_order::unknown) return errc::needs_word_order;
             std::uint8_t frame[5 + 2 * words];
             if (const status why = read_part(of, one, frame, sizeof frame); !why) return why;
-            if constexpr (words == 1) {
+            if constexpr (takes_words<type>) {
+                const word_order order = needs_order ? of.current_word_order() : word_order::high_first;
+                if (order == word_order::unknown) return errc::needs_word_order;
+                return codec<type>::template value_in<at<Rows, 0>>(
+                    [&](std::size_t i) { return load_word(frame, 3 + 2 * i); }, order);
+            } else if constexpr (words == 1) {
                 return reading_of<at<Rows, 0>>(load_word(frame, 3));
             } else {
                 const word_order order = of.current_word_order(); // stale if an attempt had no response
@@ -101,10 +108,57 @@ template <class Line, device_class Device, class Node> struct table_calls<client
         return values;
     }
 
+    /// A value that stores its words itself.
+    template <const auto& R, bool IsBroadcast = false, bool AsksFirst = false>
+    static constexpr status put_words(own& of, u16 address, const register_value<R>& value,
+                                      typename own::condition on = {}) {
+        constexpr std::size_t words = row_type<R>::words;
+        check_whole<register_value<R>>();
+        const word_order order = value.needs_word_order ? of.current_word_order() : word_order::high_first;
+        if (order == word_order::unknown) return errc::needs_word_order;
+        std::uint8_t frame[9 + 2 * words];
+        value.store(frame, 7, order);
+        if constexpr (words == 1) {
+            return noted<R, IsBroadcast>(
+                of, address, of.template write_one<IsBroadcast, AsksFirst>(address, load_word(frame, 7), on));
+        } else {
+            if constexpr (register_value<R>::needs_word_order) on.use(order);
+            return noted<R, IsBroadcast>(of, address,
+                                         of.template write_many<IsBroadcast, AsksFirst>(frame, address, on));
+        }
+    }
+    template <const auto& R, bool IsBroadcast>
+    static constexpr status noted(own& of, [[maybe_unused]] u16 address, status why) {
+        if constexpr (IsBroadcast && own::link_type::template are_cached<R>)
+            return of.template changed<true>(why);
+        else if constexpr (!IsBroadcast)
+            return of.written(address, row_type<R>::words, why);
+        else
+            return why;
+    }
+    /// True if the device holds the value.
+    template <const auto& R> static constexpr result<bool> holds(own& of, const register_value<R>& value) {
+        constexpr std::size_t size = 2 * row_type<R>::words;
+        std::uint8_t frame[5 + size];
+        const status why = read_part(of, only_request<R>, frame, sizeof frame);
+        if (why.error() != errc::ok) return why;
+        const word_order order = value.needs_word_order ? of.current_word_order() : word_order::high_first;
+        if (order == word_order::unknown) return errc::needs_word_order;
+        std::uint8_t wanted[size];
+        value.store(wanted, 0, order);
+        return same_bytes(bytes{frame}.subspan(3, size), wanted);
+    }
+
     template <const auto& R, bool IsBroadcast, bool Wears = false>
     static constexpr status write_coil(own& of, const register_value<R>& value) {
         check_coils<Device, Wears, R>();
         return write_bit<IsBroadcast>(of, R.address, value.bits() != 0);
+    }
+    /// Function 05 with a word of the device. The coil's state after it is not compared; an echo is ruled out.
+    template <const auto& R> static constexpr status write_coil_word(own& of, coil_word word) {
+        check_coils<Device, false, R>();
+        static_assert(!Device::facts.writes_blocks_only, "this device takes no function 05");
+        return write_05<false>(of, R.address, word.value);
     }
     template <const auto& Rows, bool Wears>
     static constexpr status write_element(own& of, std::size_t index,
@@ -122,8 +176,16 @@ template <class Line, device_class Device, class Node> struct table_calls<client
         return write_bits<IsBroadcast>(of, frame, plan::rows[0].address, plan::count);
     }
 
+    template <const auto& R> static constexpr status change_part(own& of, const register_value<R>& value) {
+        check_part<Device, R>();
+        if (value.error() != errc::ok) return value.error();
+        return change<R, part_mask<R>()>(of, static_cast<u16>(value.bits()));
+    }
     template <const auto& R, u16 Mask> static constexpr status change_bits(own& of, u16 value) {
         check_mask<Device, R, Mask>();
+        return change<R, Mask>(of, value);
+    }
+    template <const auto& R, u16 Mask> static constexpr status change(own& of, u16 value) {
         const auto kept = static_cast<u16>(~Mask);
         if constexpr (own::link_type::template are_cached<R>)
             return of.changed(write_masked(of, R.address, kept, static_cast<u16>(value & Mask)));
@@ -160,8 +222,7 @@ template <class Line, device_class Device, class Node> struct table_calls<client
                 why = status::sent(errc::own_echo);
         }
         if (why.error() == errc::ok) {
-            words_view{bytes{response}.subspan(3)}.copy_to(read->words());
-            read->set_word_order(order);
+            plan::take(read, bytes{response}.subspan(3, std::size_t{2} * plan::read.words), order);
         } else {
             read.fail(why);
         }
@@ -197,13 +258,24 @@ template <class Line, device_class Device, class Node> struct table_calls<client
     template <std::uint8_t Code, u16 Address, u16 Quantity>
     static constexpr short_request constant_request = request_for(Node::address, Code, Address, Quantity);
 
-    /// Writes one coil, function 05. The response repeats the request: where it may be an echo, the coil is read.
     template <bool IsBroadcast = false>
-    [[gnu::noinline]] static constexpr status write_bit(own& of, u16 address, bool is_on) {
+    static constexpr status write_bit(own& of, u16 address, bool is_on) {
+        if constexpr (Device::facts.writes_blocks_only) {
+            std::uint8_t frame[10];
+            frame[7] = is_on ? 1 : 0;
+            return write_bits<IsBroadcast>(of, frame, address, 1);
+        } else {
+            return write_05<IsBroadcast>(of, address, is_on ? modbus::coil_on : modbus::coil_off);
+        }
+    }
+    /// Writes one coil, function 05. The response repeats the request: where it may be an echo, the coil is read.
+    template <bool IsBroadcast>
+    [[gnu::noinline]] static constexpr status write_05(own& of, u16 address, u16 word) {
         if (!IsBroadcast && !of.node_.is_valid()) return errc::bad_argument;
         std::uint8_t frame[8];
         frame[0] = IsBroadcast ? modbus::broadcast : of.node_.address;
-        modbus::put_write_coil_request(byte_buffer{frame}.subspan(1), address, is_on);
+        modbus::put_trusted_request(byte_buffer{frame}.subspan(1), modbus::function::write_single_coil,
+                                    address, word);
         (void)modbus::close_trusted<crc>(frame, 5);
         const status why = of.template carried<IsBroadcast>(frame, frame, true);
         return IsBroadcast ? why : rules_out_echo<modbus::function::read_coils>(of, why, address);

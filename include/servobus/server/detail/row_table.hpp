@@ -83,6 +83,27 @@ template <const auto& R, auto Function> struct served_entry<computed_row<R, Func
 };
 template <const auto& E> using entry_of = served_entry<std::remove_cvref_t<decltype(E)>>;
 
+/// The raw range and the first value of a row of registers/values.hpp.
+template <class T, class Row> constexpr void put_coded(plain_row& p, const Row& r) {
+    static_assert(!takes_words<T>,
+                  "a server has values of one or two whole registers in the device's word order: the "
+                  "device keeps the registers of other values itself, as rows of u16");
+    if constexpr (!takes_words<T>) {
+        using coded = codec<T>;
+        using number = typename coded::number;
+        const range within = r.limits.is_stated ? r.limits : full<T>;
+        p.low = 0; // of a float any bits
+        p.high = static_cast<std::int64_t>(coded::mask);
+        if constexpr (is_counted<T> && coded::is_in_order) {
+            p.low = within.low - coded::options.offset;
+            p.high = within.high - coded::options.offset;
+        }
+        const std::int64_t first = within.contains(0) ? 0 : within.low;
+        p.initial = static_cast<std::int64_t>(
+            coded::raw_of(static_cast<number>(r.initial == no_default ? first : r.initial)));
+    }
+}
+
 template <class Row> constexpr plain_row plain(const Row& r) {
     plain_row p;
     p.type = &type_tag<Row>::here;
@@ -96,6 +117,10 @@ template <class Row> constexpr plain_row plain(const Row& r) {
         check_row(r);
         p.is_pair = Row::words == 2;
         p.in = p.is_pair ? pool::wide : pool::narrow;
+        if constexpr (has_codec<typename Row::value_type>) {
+            put_coded<typename Row::value_type>(p, r);
+            return p;
+        }
         p.low = r.limits.low;
         p.high = r.limits.high;
         p.initial = r.initial == no_default ? (r.limits.contains(0) ? 0 : r.limits.low) : r.initial;
