@@ -55,24 +55,23 @@ constexpr const char* text(access a) {
     return names[static_cast<unsigned>(a)];
 }
 
-/// A name for a value of a register's field. It applies if `(bits & mask) == value`. A mask of all 16 bits is for the
-/// whole value: of a 32-bit register it has only values that fit into 16 bits.
+/// A name for a value of a register's field. It applies if `(bits & mask) == value`. A mask of 16 bits, 0xFFFF, is for
+/// the whole value, also that of a pair. A coil's value above 1 is a word that function 05 sends.
 struct named_value {
-    std::uint16_t mask;
-    std::uint16_t value;
+    u32 mask;
+    u32 value;
     const char* name;
 
-    constexpr bool applies(u32 bits) const { return mask == 0xFFFF ? bits == value : (bits & mask) == value; }
+    constexpr bool is_whole() const { return mask == 0xFFFF; }
+    constexpr bool applies(u32 bits) const { return is_whole() ? bits == value : (bits & mask) == value; }
 };
 
 /// Names a code: a value of the whole register.
-constexpr named_value code(std::uint16_t value, const char* name) { return {0xFFFF, value, name}; }
+constexpr named_value code(u32 value, const char* name) { return {0xFFFF, value, name}; }
 /// Names a bit, or a mask of which all bits are set.
-constexpr named_value named_bit(std::uint16_t mask, const char* name) { return {mask, mask, name}; }
+constexpr named_value named_bit(u32 mask, const char* name) { return {mask, mask, name}; }
 /// Names a value of the bits in `mask`.
-constexpr named_value field(std::uint16_t mask, std::uint16_t value, const char* name) {
-    return {mask, value, name};
-}
+constexpr named_value field(u32 mask, u32 value, const char* name) { return {mask, value, name}; }
 
 /// How a register's word is formatted as text.
 enum class naming : std::uint8_t {
@@ -134,6 +133,10 @@ struct entry {
     }
     /// True for some bits of a register, of which other entries may be parts too.
     constexpr bool is_part() const { return form != nullptr && form->is_part(); }
+    /// The symbol of its unit, which may be the device's own; empty without a unit.
+    constexpr const char* unit_symbol() const {
+        return form != nullptr && form->symbol != nullptr ? form->symbol : symbol(unit_of_count.of);
+    }
     constexpr bool is_signed() const {
         return kind == value_kind::signed_word || kind == value_kind::signed_pair;
     }
@@ -143,7 +146,7 @@ struct entry {
     /// True for a value that has a name of its own, as a whole.
     constexpr bool is_code(std::int64_t count) const {
         for (const named_value& v : values) {
-            if (v.mask == 0xFFFF && number(v.value) == count) return true;
+            if (v.is_whole() && number(v.value) == count) return true;
         }
         return false;
     }
@@ -246,19 +249,21 @@ struct catalogue {
     std::span<const entry> entries;              ///< in address order
     std::span<const description> descriptions{}; ///< in address order, one for each entry; or none at all
 
-    /// The entry of the register at `address`, which may be either word of a pair; null if there is none.
+    /// The entry of the register at `address`, which may be any word of its value; null if there is none. Of the parts
+    /// of a register, whose entries follow each other, the first.
     constexpr const entry* find(u16 address) const {
         std::size_t low = 0;
         std::size_t high = entries.size();
         while (low < high) {
-            const std::size_t middle = low + (high - low) / 2;
+            std::size_t middle = low + (high - low) / 2;
             const entry& e = entries[middle];
             if (address < e.address) {
                 high = middle;
             } else if (address >= e.address + e.words()) {
                 low = middle + 1;
-            } else {
-                return &e;
+            } else { // the first of the parts of a register
+                while (middle != 0 && entries[middle - 1].address == e.address) --middle;
+                return &entries[middle];
             }
         }
         return nullptr;

@@ -27,10 +27,16 @@ enum class value_format : std::uint8_t {
     tokens, ///< without spaces, for scripts: `relative_position`
 };
 
+namespace detail {
+constexpr void put_symbol(text_writer& out, const entry& e) {
+    if (const char* const symbol = e.unit_symbol(); *symbol != '\0') out << ' ' << symbol;
+}
+} // namespace detail
+
 /// Writes a raw count with the register's scale and unit: `12.5 A`.
 constexpr void put_quantity(text_writer& out, const entry& e, std::int64_t count) {
     put_count(out, count, e.unit_of_count);
-    detail::put_symbol(out, e.unit_of_count);
+    detail::put_symbol(out, e);
 }
 
 namespace detail {
@@ -70,10 +76,10 @@ constexpr void put_halves(text_writer& out, const entry& e, u16 word, value_form
     };
     if (how == value_format::words) out << "left ";
     put_count(out, half(word >> 8), e.unit_of_count);
-    if (how == value_format::words) put_symbol(out, e.unit_of_count);
+    if (how == value_format::words) put_symbol(out, e);
     out << (how == value_format::words ? " / right " : "/");
     put_count(out, half(word & 0xFFu), e.unit_of_count);
-    put_symbol(out, e.unit_of_count);
+    put_symbol(out, e);
 }
 } // namespace detail
 

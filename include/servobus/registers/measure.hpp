@@ -68,6 +68,7 @@ enum class measure : std::uint8_t {
     cubic_metre,
     litre_per_minute,
     cubic_metre_per_hour,
+    device_unit, ///< of the device's own: it converts to nothing but itself, and its symbol is not here
 };
 
 /// The symbol of a measure in ASCII, as the tool `servobus map` prints it.
@@ -126,6 +127,7 @@ constexpr const char* symbol(measure m) {
     case measure::cubic_metre: return "m3";
     case measure::litre_per_minute: return "l/min";
     case measure::cubic_metre_per_hour: return "m3/h";
+    case measure::device_unit: return "";
     }
     return "";
 }

@@ -30,4 +30,6 @@ inline constexpr unit_constant<unit{measure::litre}> litre{};
 inline constexpr unit_constant<unit{measure::cubic_metre}> cubic_metre{};
 inline constexpr unit_constant<unit{measure::litre_per_minute}> litre_per_minute{};
 inline constexpr unit_constant<unit{measure::cubic_metre_per_hour}> cubic_metre_per_hour{};
+/// A unit of the device's own: `ppm`, `lux`. A catalogue has its symbol.
+inline constexpr unit_constant<unit{measure::device_unit}> device_unit{};
 } // namespace servobus::units

@@ -57,7 +57,7 @@ constexpr void put_count(text_writer& out, std::int64_t count, unit u) {
 
 namespace detail {
 constexpr void put_symbol(text_writer& out, unit u) {
-    if (u.of != measure::none) out << ' ' << symbol(u.of);
+    if (u.of != measure::none && u.of != measure::device_unit) out << ' ' << symbol(u.of);
 }
 } // namespace detail
 

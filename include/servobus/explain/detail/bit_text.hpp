@@ -18,7 +18,7 @@
 #include <servobus/explain/table_catalogues.hpp>
 #include <servobus/modbus/bits.hpp>
 #include <servobus/registers/catalogue.hpp>
-#include <servobus/registers/format.hpp>
+#include <servobus/registers/value_text.hpp>
 
 namespace servobus::detail {
 
@@ -70,11 +70,15 @@ class bit_text {
         return code == modbus::function::read_discrete_inputs ? "discrete input" : "coil";
     }
 
-    /// Writes "valve (0x000D) = 0x5500 (no value of the standard)".
+    /// Writes "valve (0x000D) = toggle (0x5500)" if the row has a name for the word, else
+    /// "valve (0x000D) = 0x5500 (no value of the standard)".
     constexpr void put_unusual(bytes pdu, kind how) {
+        const u16 word = load_word(pdu, 3);
         put(modbus::function::write_single_coil, load_word(pdu, 1), 1, {}, how);
         out_ << " = ";
-        out_.hex_word(load_word(pdu, 3));
+        const entry* const e = coils_ != nullptr ? coils_->find(load_word(pdu, 1)) : nullptr;
+        if (e != nullptr && is_named_code(*e, word)) return put_value(out_, *e, word);
+        out_.hex_word(word);
         out_ << " (no value of the standard)";
     }
 
@@ -107,7 +111,7 @@ class bit_text {
         if (states.size() == 0) return;
         out_ << " = ";
         const bool is_on = states[i];
-        if (e.values.empty()) {
+        if (!is_named_code(e, is_on ? 1 : 0)) {
             out_ << on_or_off(is_on);
         } else {
             put_value(out_, e, is_on);

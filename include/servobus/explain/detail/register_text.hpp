@@ -14,8 +14,8 @@
 #include <servobus/core/text.hpp>
 #include <servobus/explain/table_catalogues.hpp>
 #include <servobus/registers/catalogue.hpp>
-#include <servobus/registers/format.hpp>
 #include <servobus/registers/reg.hpp>
+#include <servobus/registers/value_text.hpp>
 #include <servobus/registers/wire.hpp>
 
 namespace servobus::detail {
@@ -26,9 +26,11 @@ constexpr void put_address(text_writer& out, u16 address) {
     out.hex_word(address) << ')';
 }
 
-/// Writes " (outside 1..5000 ms)" if the row does not take the number.
-constexpr void put_outside(text_writer& out, const entry& e, std::int64_t number) {
-    if (e.takes(number)) return;
+/// Writes " (outside 1..5000 ms)" if the row does not take the bits.
+constexpr void put_outside(text_writer& out, const entry& e, std::uint64_t bits) {
+    const row_value v = value_of(e, bits);
+    const bool has_words = v.is == row_value::state::no_value || v.is == row_value::state::no_number;
+    if (has_words || takes(e, v)) return;
     out << " (outside ";
     put_count(out, e.limits.low, e.unit_of_count);
     out << "..";
@@ -55,6 +57,8 @@ class register_text {
                        table in = table::holding_registers) {
         const bool has_own_names = in == table::input_registers && maps_.input_registers != nullptr;
         map_ = has_own_names ? maps_.input_registers : maps_.holding_registers;
+        first_ = address;
+        in_ = has_own_names || in == table::holding_registers ? in : table::holding_registers;
         bool is_rescalable = false;
         bool is_reorderable = false;
         for (u16 i = 0; i < quantity;) {
@@ -67,20 +71,14 @@ class register_text {
             }
             const std::size_t size = e->words();
             const bool is_whole = at == e->address && i + size <= quantity;
-            if (!is_whole) out_ << half_of_pair(*e, at == e->address);
-            out_ << e->name;
-            if (how != kind::values) put_address(out_, at);
-            if (i < words.size()) {
-                out_ << " = ";
-                if (is_whole) {
-                    value(*e, words, i, how);
-                    is_reorderable =
-                        is_reorderable || (is_factory_word_order_ && size == 2 && !has_own_order(*e));
-                } else {
-                    out_.hex_word(words[i]);
-                }
+            if (!is_whole) out_ << piece_of(*e, at == e->address);
+            put_row_text(*e, at, words, is_whole, how);
+            while (has_next_part(e)) {
+                out_ << ", ";
+                put_row_text(*++e, at, words, is_whole, how);
             }
-            if (how == kind::request && words.size() != 0 && e->rights == access::ro) out_ << " (read-only)";
+            is_reorderable = is_reorderable || (i < words.size() && is_whole && is_factory_word_order_ &&
+                                                has_word_order(*e) && !has_own_order(*e));
             is_rescalable = is_rescalable || (i < words.size() && has(e->flags, flag::scaled_elsewhere));
             i = static_cast<u16>(i + (is_whole ? size : 1u));
         }
@@ -97,19 +95,56 @@ class register_text {
         is_factory_word_order_ = true;
     }
 
-    constexpr void value(const entry& e, words_view words, std::size_t i, kind how) {
-        u32 bits = words[i];
-        if (e.words() == 2) {
-            const word_order order = order_of(e);
-            if (order == word_order::unknown) {
-                out_.hex_word(words[i]) << ' ';
-                out_.hex_word(words[i + 1]) << " (word order unknown)";
-                return;
+    constexpr bool has_next_part(const entry* e) const {
+        return e->is_part() && e + 1 != map_->entries.data() + map_->entries.size() &&
+               e[1].address == e->address;
+    }
+
+    constexpr void put_row_text(const entry& e, u16 at, words_view words, bool is_whole, kind how) {
+        const std::size_t i = static_cast<u16>(at - first_);
+        out_ << e.name;
+        if (how != kind::values) put_address(out_, at);
+        if (i < words.size()) {
+            out_ << " = ";
+            if (is_whole) {
+                value(e, words, i, how);
+            } else {
+                out_.hex_word(words[i]);
             }
-            bits = join_words(words[i], words[i + 1], order);
         }
-        put_value(out_, e, bits);
-        if (how == kind::request) put_outside(out_, e, e.number(bits));
+        if (how == kind::request && words.size() != 0 && e.rights == access::ro) out_ << " (read-only)";
+    }
+
+    constexpr void value(const entry& e, words_view words, std::size_t i, kind how) {
+        const word_order order = order_of(e);
+        if (has_word_order(e) && order == word_order::unknown) {
+            for (std::size_t k = 0; k < e.words(); ++k) out_.hex_word(words[i + k]) << ' ';
+            out_ << "(word order unknown)";
+            return;
+        }
+        const words_in_order own{e, words, i, order};
+        if (is_text(e)) return put_text(out_, e, own);
+        const entry* const by = scaling_row(e);
+        put_row_value(out_, e, bits_of_words(e, own), value_format::words, scale_of(e, by, words),
+                      by != nullptr ? static_cast<const char*>(by->name) : "?");
+        if (how == kind::request) put_outside(out_, e, bits_of_words(e, own));
+    }
+
+    constexpr const entry* scaling_row(const entry& e) const {
+        if (e.form == nullptr || e.form->scaled == scaling::none) return nullptr;
+        const catalogue* const rows =
+            e.form->scale_table == table::input_registers ? maps_.input_registers : maps_.holding_registers;
+        return rows != nullptr ? rows->find(e.form->scale_address) : nullptr;
+    }
+
+    /// The scale of a row, if the frame has the row that gives it.
+    constexpr row_scale scale_of(const entry& e, const entry* by, words_view words) const {
+        if (by == nullptr || e.form->scale_table != in_ || by->address < first_) return unknown_scale(e);
+        const std::size_t i = static_cast<std::size_t>(by->address) - first_;
+        const bool is_known = !has_word_order(*by) || order_of(*by) != word_order::unknown;
+        if (i + by->words() > words.size() || !is_known || is_text(*by)) return unknown_scale(e);
+        return scale_from(e, *by,
+                          value_of(*by, bits_of_words(*by, words_in_order{*by, words, i, order_of(*by)})));
     }
 
     static constexpr bool has_own_order(const entry& e) { return e.own_word_order != word_order::unknown; }
@@ -117,7 +152,9 @@ class register_text {
         return has_own_order(e) ? e.own_word_order : word_order_;
     }
 
-    constexpr const char* half_of_pair(const entry& e, bool is_first) const {
+    /// Of a value that the frame has in part.
+    constexpr const char* piece_of(const entry& e, bool is_first) const {
+        if (e.words() != 2 || is_text(e)) return "part of ";
         if (order_of(e) == word_order::unknown || (is_factory_word_order_ && !has_own_order(e)))
             return is_first ? "first word of " : "second word of ";
         return is_first == (order_of(e) == word_order::high_first) ? "high word of " : "low word of ";
@@ -143,6 +180,8 @@ class register_text {
 
     table_catalogues maps_;
     const catalogue* map_; // of the table that the frame is about
+    table in_ = table::holding_registers;
+    u16 first_ = 0; // the address of the frame's first register
     word_order word_order_;
     bool is_factory_word_order_ = false; // `word_order_` is assumed; the text has a note
     text_writer& out_;
