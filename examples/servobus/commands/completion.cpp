@@ -132,7 +132,7 @@ answer registers(const device* of, std::string_view begun, register_use wanted,
                 return word.substr(0, word.find('=')) == name;
             };
             if (std::ranges::none_of(given, is_it))
-                a.candidates.push_back(name + (is_write ? "=\t" : "\t") + of->sentence(e.address, t));
+                a.candidates.push_back(name + (is_write ? "=\t" : "\t") + of->sentence(e, t));
         }
     }
     return a;

@@ -119,7 +119,7 @@ class header_text {
     void put_rows(table t) {
         for (const entry& e : of_->rows_of(t)) {
             // A backslash at the end of a comment would take the next line into it.
-            std::string sentence = of_->sentence(e.address, t);
+            std::string sentence = of_->sentence(e, t);
             std::ranges::replace(sentence, '\\', '/');
             out_ += "\n/// " + hex_word(e.address).substr(2) + "h " + sentence;
             while (out_.ends_with(' ')) out_.pop_back();
@@ -152,7 +152,7 @@ class header_text {
         for (const entry& e : rows) {
             const std::string row = "::" + space_ + "::" + row_name(e);
             lines += "    " + cpp::row_entry(e, t, row, names_of_row(e)) + ",\n";
-            const std::string_view sentence = of_->sentence(e.address, t);
+            const std::string_view sentence = of_->sentence(e, t);
             has_sentences = has_sentences || !sentence.empty();
             descriptions += "    {" + hex_word(e.address) + ", " + cpp::literal(sentence) + "},\n";
         }

@@ -34,8 +34,10 @@ int map(const arguments& asked) {
     (void)std::puts(map_header(is_long).c_str());
     for (const servobus::table t : all_tables) {
         for (const servobus::entry& e : of->rows_of(t)) {
-            const char* const sentence = is_long ? of->sentence(e.address, t) : nullptr;
-            (void)std::puts(map_row(e, of->facts(), sentence, t).c_str());
+            const char* const sentence = is_long ? of->sentence(e, t) : nullptr;
+            const servobus::entry* const by = of->scaling_row(e);
+            const char* const scaled_by = by != nullptr ? static_cast<const char*>(by->name) : nullptr;
+            (void)std::puts(map_row(e, of->facts(), sentence, t, scaled_by).c_str());
         }
     }
     return done;

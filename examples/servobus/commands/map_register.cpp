@@ -141,7 +141,7 @@ void print_values(const entry& e) {
 void print_register(const device& of, const chosen& what) {
     const entry& e = *what.row;
     std::printf("%s\n", static_cast<const char*>(e.name));
-    const std::string_view sentence = of.sentence(e.address, what.form.table);
+    const std::string_view sentence = of.sentence(e, what.form.table);
     if (!sentence.empty()) std::printf("%s\n", sentence.data());
     std::printf("\n");
     const bool is_holding = what.form.table == servobus::table::holding_registers;

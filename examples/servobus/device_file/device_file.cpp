@@ -8,8 +8,11 @@
 #include <cstring>
 #include <filesystem>
 
+#include <servobus/registers/row_value.hpp>
+
 #include "../words/nearest.hpp"
 #include "../words/numbers.hpp"
+#include "device_form.hpp"
 
 namespace tool {
 namespace {
@@ -62,6 +65,7 @@ std::string device_file::parse(std::string_view path, std::string_view text) {
     std::string why = take_profile(path);
     if (why.empty()) why = take_header();
     if (why.empty()) why = take_rows();
+    if (why.empty()) why = take_factors();
     if (why.empty()) finish();
     return why;
 }
@@ -97,7 +101,7 @@ std::string device_file::take_header() {
         const auto column = std::ranges::find(map_columns, std::string_view{cells_[i]});
         if (column == std::end(map_columns)) {
             return refuse("unknown column " + csv::shown(cells_[i]) +
-                          did_you_mean(cells_[i], map_columns, separator));
+                          did_you_mean(cells_[i], map_columns, separator) + later_version);
         }
         std::size_t& place = place_of_[static_cast<std::size_t>(column - std::begin(map_columns))];
         if (place != absent) return refuse("the column " + cells_[i] + " is there twice");
@@ -135,6 +139,7 @@ std::string device_file::take_row() {
         if (place_of_[i] != absent) cells[i] = cells_[place_of_[i]];
     }
     device_row row;
+    row.is_low_byte_first_usual = profile_.is_low_byte_first();
     if (std::string why = parse_row(cells, row); !why.empty()) return why;
     return add(row, cells[static_cast<std::size_t>(map_column::description)]);
 }
@@ -151,6 +156,10 @@ std::string device_file::add(const device_row& row, std::string_view sentence) {
         return "the name " + name + " is there twice, first in line " + std::to_string(first->second);
     if (std::string why = take_addresses(row.entry, row.table); !why.empty()) return name + ": " + why;
     found_row found{row.entry, has_column(map_column::description) ? keep(sentence) : nullptr};
+    found.in = row.table;
+    found.line = lines_.number();
+    found.factor_row = row.factor_row;
+    found.entry.form = found.form = keep_form(row);
     if (!row.names.empty()) {
         std::vector<servobus::named_value>& all = values_.emplace_back();
         for (const cell_name& n : row.names) all.push_back({n.mask, n.value, keep(n.name)});
@@ -160,9 +169,64 @@ std::string device_file::add(const device_row& row, std::string_view sentence) {
     return {};
 }
 
+// Null for a row without any.
+servobus::value_form* device_file::keep_form(const device_row& row) {
+    if (row.entry.form == nullptr) return nullptr;
+    servobus::value_form& kept = forms_.emplace_back(row.form);
+    if (!row.none.empty()) kept.none = none_.emplace_back(row.none);
+    if (!row.symbol.empty()) kept.symbol = keep(row.symbol);
+    return &kept;
+}
+
+// Rows that scale others may stand behind these.
+std::string device_file::take_factors() {
+    std::map<std::string_view, const found_row*> by_name;
+    std::map<std::pair<servobus::table, std::int64_t>, const found_row*> by_address;
+    std::vector<found_row*> scaled;
+    for (found_table& t : found_) {
+        for (found_row& r : t.rows) {
+            by_name.emplace(static_cast<const char*>(r.entry.name), &r);
+            by_address.emplace(std::pair{r.in, r.entry.address}, &r);
+            if (!r.factor_row.empty()) scaled.push_back(&r);
+        }
+    }
+    std::ranges::sort(scaled, {}, &found_row::line);
+    for (const found_row* const r : scaled) {
+        const std::optional<std::int64_t> address = parse_address(r->factor_row);
+        const auto name = by_name.find(r->factor_row);
+        const auto place = by_address.find({r->in, address.value_or(-1)});
+        const found_row* const by = name != by_name.end()       ? name->second
+                                    : place != by_address.end() ? place->second
+                                                                : nullptr;
+        const servobus::entry* const row = by != nullptr ? &by->entry : nullptr;
+        const auto in = by != nullptr ? by->in : r->in;
+        if (const std::string why = judge_factor(r->entry, row, in, r->factor_row); !why.empty())
+            return at_line(r->line, static_cast<const char*>(r->entry.name) + (": " + why));
+        r->form->scale_table = in;
+        r->form->scale_address = row->address;
+    }
+    return {};
+}
+
+// Parts of a register share its address, and no bit.
+std::string device_file::take_bits(const servobus::entry& e, servobus::table in) {
+    std::vector<taken_bits>& parts = parts_[{in, e.address}];
+    for (const taken_bits& other : parts) {
+        if ((other.mask & e.form->mask()) != 0)
+            return "a bit of it is taken by the row in line " + std::to_string(other.line);
+    }
+    parts.push_back({e.form->mask(), lines_.number()});
+    return {};
+}
+
 std::string device_file::take_addresses(const servobus::entry& e, servobus::table in) {
     std::vector<std::uint32_t>& lines = found_[static_cast<std::size_t>(in)].line_of_address;
     if (lines.empty()) lines.assign(0x1'0000, 0);
+    const bool has_parts = parts_.contains({in, e.address});
+    if (e.is_part() && (has_parts || lines[e.address] == 0)) {
+        lines[e.address] = static_cast<std::uint32_t>(lines_.number());
+        return take_bits(e, in);
+    }
     for (std::size_t i = 0; i < e.words(); ++i) {
         std::uint32_t& line = lines[e.address + i];
         const std::string shown = hex_word(static_cast<u16>(e.address + i));
@@ -181,7 +245,9 @@ std::string device_file::take_addresses(const servobus::entry& e, servobus::tabl
 void device_file::finish() {
     for (std::size_t i = 0; i < found_.size(); ++i) {
         found_table& t = found_[i];
-        std::ranges::sort(t.rows, {}, [](const found_row& r) { return r.entry.address; });
+        std::ranges::sort(t.rows, {}, [](const found_row& r) {
+            return std::pair{r.entry.address, r.form != nullptr ? r.form->first_bit : std::uint8_t{0}};
+        });
         for (const found_row& r : t.rows) {
             t.entries.push_back(r.entry);
             if (r.sentence != nullptr) t.descriptions.push_back({r.entry.address, r.sentence});
@@ -192,6 +258,7 @@ void device_file::finish() {
         t.line_of_address = {};
     }
     line_of_name_.clear();
+    parts_.clear();
     cells_.clear();
     line_ = {};
     lines_ = csv::lines{{}};

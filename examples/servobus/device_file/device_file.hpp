@@ -11,6 +11,7 @@
 #include <memory>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "../words/csv.hpp"
@@ -39,6 +40,14 @@ class device_file {
     struct found_row {
         servobus::entry entry;
         const char* sentence;
+        servobus::value_form* form = nullptr; // the entry's
+        servobus::table in = servobus::table::holding_registers;
+        std::size_t line = 0;
+        std::string factor_row{}; // the name or the address of the row that scales it
+    };
+    struct taken_bits {
+        unsigned mask;
+        std::size_t line;
     };
     struct found_table {
         std::vector<std::uint32_t> line_of_address{}; // empty while there is no row
@@ -54,6 +63,9 @@ class device_file {
     std::string take_row();
     std::string add(const device_row& row, std::string_view sentence);
     std::string take_addresses(const servobus::entry& e, servobus::table in);
+    std::string take_bits(const servobus::entry& e, servobus::table in);
+    std::string take_factors();
+    servobus::value_form* keep_form(const device_row& row);
     void finish();
     std::string at_line(std::size_t number, const std::string& why) const;
     const char* keep(std::string_view text);
@@ -72,6 +84,9 @@ class device_file {
 
     std::deque<std::string> texts_{};
     std::deque<std::vector<servobus::named_value>> values_{};
+    std::deque<std::vector<std::int64_t>> none_{};
+    std::deque<servobus::value_form> forms_{};
+    std::map<std::pair<servobus::table, std::uint16_t>, std::vector<taken_bits>> parts_{}; // of each register
     std::array<found_table, 4> found_{};
     std::array<servobus::catalogue, 4> tables_{};
 };

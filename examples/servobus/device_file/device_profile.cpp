@@ -29,9 +29,9 @@ struct number_key {
 
 constexpr number_key number_keys[] = {
     {"file_format", 1, map_format, [](profile&, std::uint32_t) {}},
-    {"lowest_address", 1, 247,
+    {"lowest_address", 1, 255,
      [](profile& p, std::uint32_t n) { p.lowest_address = static_cast<std::uint8_t>(n); }},
-    {"highest_address", 1, 247,
+    {"highest_address", 1, 255,
      [](profile& p, std::uint32_t n) { p.highest_address = static_cast<std::uint8_t>(n); }},
     {"baud", lowest_baud, highest_baud, [](profile& p, std::uint32_t n) { p.baud = n; }},
     {"word_order_register", 1, 0xFFFF,
@@ -104,11 +104,12 @@ std::string device_name_of(std::string_view path) {
 }
 
 std::string unknown_key(std::string_view key) {
-    std::vector<std::string_view> known{"name", "word_order", "character_format", "echoes_byte_count",
-                                        "exception_1"};
+    std::vector<std::string_view> known{
+        "name",        "word_order",        "byte_order", "character_format", "echoes_byte_count",
+        "exception_1", "writes_blocks_only"};
     for (const number_key& k : number_keys) known.push_back(k.name);
     return "unknown key " + csv::shown(key) +
-           did_you_mean(key, known, "; a line that begins with ## is a comment");
+           did_you_mean(key, known, "; a line that begins with ## is a comment") + later_version;
 }
 
 } // namespace
@@ -154,16 +155,22 @@ std::string owned_profile::set(const std::string& key, std::string_view value) {
         facts_.format = *format;
         return {};
     }
-    if (key == "echoes_byte_count") {
-        facts_.limits.echoes_byte_count = value == "yes";
-        return value == "yes" || value == "no"
-                   ? ""
-                   : "echoes_byte_count takes yes or no, not " + csv::shown(value);
+    if (key == "byte_order") {
+        is_low_byte_first_ = value == "low";
+        return value == "low" || value == "high" ? ""
+                                                 : "byte_order takes high or low, not " + csv::shown(value);
     }
+    if (key == "echoes_byte_count") return set_yes_or_no(key, value, facts_.limits.echoes_byte_count);
+    if (key == "writes_blocks_only") return set_yes_or_no(key, value, facts_.writes_blocks_only);
     constexpr std::string_view exception = "exception_";
     if (key.starts_with(exception))
         return set_exception(std::string_view{key}.substr(exception.size()), value);
     return unknown_key(key);
+}
+
+std::string owned_profile::set_yes_or_no(const std::string& key, std::string_view value, bool& fact) {
+    fact = value == "yes";
+    return value == "yes" || value == "no" ? "" : key + " takes yes or no, not " + csv::shown(value);
 }
 
 std::string owned_profile::set_exception(std::string_view number, std::string_view words) {

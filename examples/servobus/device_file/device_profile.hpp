@@ -28,12 +28,17 @@ class owned_profile {
     std::string finish(std::string_view name_of_file, std::string& key);
 
     const servobus::profile& facts() const { return facts_; }
+    /// True if values of the device have the low byte first in each word, where a row does not say otherwise. A word of
+    /// 16 bits alone never has.
+    bool is_low_byte_first() const { return is_low_byte_first_; }
 
   private:
     std::string set(const std::string& key, std::string_view value);
+    static std::string set_yes_or_no(const std::string& key, std::string_view value, bool& fact);
     std::string set_exception(std::string_view number, std::string_view words);
 
     servobus::profile facts_{.name = ""};
+    bool is_low_byte_first_ = false;
     std::string name_{};
     std::deque<std::string> words_{};
     std::map<std::string, std::string, std::less<>> given_{};

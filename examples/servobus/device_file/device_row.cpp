@@ -5,9 +5,12 @@
 #include <algorithm>
 #include <optional>
 
+#include <servobus/registers/row_value.hpp>
+
 #include "../words/csv.hpp"
 #include "../words/nearest.hpp"
 #include "../words/numbers.hpp"
+#include "device_form.hpp"
 #include "device_names.hpp"
 #include "device_unit.hpp"
 
@@ -28,11 +31,11 @@ class row_reader {
 
     std::string read() {
         using step = std::string (row_reader::*)();
-        constexpr step steps[] = {&row_reader::name,  &row_reader::place, &row_reader::table,
-                                  &row_reader::type,  &row_reader::words, &row_reader::rights,
-                                  &row_reader::times, &row_reader::modes, &row_reader::flags,
-                                  &row_reader::unit,  &row_reader::range, &row_reader::initial,
-                                  &row_reader::names, &row_reader::order};
+        constexpr step steps[] = {&row_reader::name,    &row_reader::place, &row_reader::table,
+                                  &row_reader::type,    &row_reader::form,  &row_reader::words,
+                                  &row_reader::rights,  &row_reader::times, &row_reader::modes,
+                                  &row_reader::flags,   &row_reader::unit,  &row_reader::range,
+                                  &row_reader::initial, &row_reader::names, &row_reader::order};
         for (const step s : steps) {
             const std::string why = (this->*s)();
             if (why.empty()) continue;
@@ -101,24 +104,27 @@ class row_reader {
             return "type " + csv::shown(text) + " and table " + table_text(row_->table) +
                    " contradict each other";
         if (is_bit()) return {};
-        for (const value_kind kind : {value_kind::unsigned_word, value_kind::signed_word,
-                                      value_kind::unsigned_pair, value_kind::signed_pair}) {
-            if (text != servobus::text(kind)) continue;
+        std::string all;
+        for (unsigned i = 0; i <= static_cast<unsigned>(value_kind::text); ++i) {
+            const auto kind = static_cast<value_kind>(i);
+            all += (kind == value_kind::text ? " or "
+                    : all.empty()            ? ""
+                                             : ", ") +
+                   std::string{servobus::text(kind)};
+            if (text != servobus::text(kind) && (kind != value_kind::text || text != "string")) continue;
             row_->entry.kind = kind;
             return {};
         }
-        if (text == "f32") {
-            const bool is_plain = row_->table == servobus::table::holding_registers;
-            return "type f32 is not in files; read it as raw: raw:NODE " +
-                   (is_plain ? std::string{} : table_text(row_->table) + std::string{':'}) +
-                   hex_word(row_->entry.address) + ":f32";
-        }
-        return bad(map_column::type, "u16, i16, u32 or i32");
+        return bad(map_column::type, all) + later_version;
     }
+
+    std::string form() { return parse_form(*cells_, *row_); }
 
     std::string words() {
         const std::size_t size = row_->entry.words();
-        if (row_->entry.address + size > 0x1'0000) return "its second word is beyond address 0xFFFF";
+        if (row_->entry.address + size > 0x1'0000)
+            return (size == 2 ? "its second word" : "its last word") +
+                   std::string{" is beyond address 0xFFFF"};
         const std::string_view text = cell(map_column::words);
         if (text.empty() || text == std::to_string(size)) return {};
         return "words is " + csv::shown(text) + ", but " + type_name() + " has " + std::to_string(size);
@@ -230,9 +236,19 @@ class row_reader {
 
     std::string unit() {
         servobus::unit& u = row_->entry.unit_of_count;
-        const std::string why = parse_unit(cell(map_column::scale), cell(map_column::unit), u);
+        const std::string why = parse_unit(cell(map_column::scale), cell(map_column::unit), u, row_->symbol);
         const bool is_given = !why.empty() || u != servobus::unit{};
-        return is_bit() && is_given ? "a bit has neither scale nor unit" : why;
+        if (is_bit() && is_given) return "a bit has neither scale nor unit";
+        if (is_text(row_->entry) && is_given) return "a text has neither scale nor unit";
+        if (!row_->symbol.empty()) {
+            row_->form.symbol = row_->symbol.c_str();
+            row_->entry.form = &row_->form;
+        }
+        return why;
+    }
+
+    const char* whole_number() const {
+        return is_float(row_->entry) ? "a whole number of its unit" : "a whole number of counts";
     }
 
     std::string range() {
@@ -241,11 +257,12 @@ class row_reader {
         const std::string_view high = cell(map_column::max);
         row_->entry.limits = whole;
         if (low.empty() && high.empty()) return {};
+        if (is_text(row_->entry)) return "a text has neither min nor max";
         const std::optional<std::int64_t> least = parse_integer(low);
         const std::optional<std::int64_t> most = parse_integer(high);
         if (low.empty() || high.empty()) return "min and max are given both, or neither";
-        if (!least) return bad(map_column::min, "a whole number of counts");
-        if (!most) return bad(map_column::max, "a whole number of counts");
+        if (!least) return bad(map_column::min, whole_number());
+        if (!most) return bad(map_column::max, whole_number());
         if (*least > *most)
             return "the range is upside down: min " + std::to_string(*least) + ", max " +
                    std::to_string(*most);
@@ -265,8 +282,9 @@ class row_reader {
         if (has(e.flags, flag::zero_by_name) && !within.contains(0))
             return "the flag zero_by_name is there, but 0 is outside the range";
         if (text.empty()) return {};
+        if (is_text(e)) return "a text has no default";
         const std::optional<std::int64_t> number = parse_integer(text);
-        if (!number) return bad(map_column::initial, "a whole number of counts");
+        if (!number) return bad(map_column::initial, whole_number());
         if (!within.contains(*number))
             return "default " + std::to_string(*number) + " is outside " + std::to_string(within.low) +
                    " .. " + std::to_string(within.high);
@@ -279,7 +297,7 @@ class row_reader {
     std::string order() {
         const std::string_view text = cell(map_column::word_order);
         if (text.empty()) return {};
-        if (row_->entry.words() == 1) return "word_order is for u32 and i32";
+        if (!has_word_order(row_->entry)) return "word_order is for numbers of several words";
         using enum servobus::word_order;
         row_->is_selectable = text == word_order_text(unknown);
         if (row_->is_selectable) return {};
@@ -297,13 +315,24 @@ class row_reader {
 
 servobus::range range_of_type(const device_row& row) {
     if (is_of_bits(row.table)) return {0, 1, false};
-    switch (row.entry.kind) {
-    case value_kind::unsigned_word: return servobus::full<u16>;
-    case value_kind::signed_word: return servobus::full<servobus::i16>;
-    case value_kind::unsigned_pair: return servobus::full<u32>;
-    case value_kind::signed_pair: break;
+    constexpr servobus::range all = servobus::full<std::int64_t>;
+    const entry& e = row.entry;
+    if (is_text(e) || is_float(e)) return all;
+    const unsigned width = width_of(e);
+    const auto below = [](unsigned bits) {
+        return static_cast<std::int64_t>((std::uint64_t{1} << bits) - 1);
+    };
+    servobus::range found{0, below(std::min(width, 63u)), false};
+    if (is_two_complement(e)) found = {-below(width - 1) - 1, below(width - 1), false};
+    if (is_sign_and_magnitude(e)) found = {-below(width - 1), below(width - 1), false};
+    if (is_bcd(e)) {
+        found.high = 1;
+        for (unsigned digit = 0; digit < width / 4; ++digit) found.high *= 10;
+        --found.high;
     }
-    return servobus::full<servobus::i32>;
+    if (e.form == nullptr) return found;
+    return {servobus::detail::more(found.low, e.form->offset),
+            servobus::detail::more(found.high, e.form->offset), false};
 }
 
 std::string parse_row(const row_cells& cells, device_row& row) { return row_reader{cells, row}.read(); }

@@ -11,7 +11,9 @@
 
 namespace tool {
 
-/// Reads both cells, which may be empty. Returns the reason why they are refused; empty if they are not.
-std::string parse_unit(std::string_view scale, std::string_view symbol, servobus::unit& of_count);
+/// Reads both cells, which may be empty. Sets `own_symbol` if the unit is none of the list. Returns the reason why they
+/// are refused; empty if they are not.
+std::string parse_unit(std::string_view scale, std::string_view symbol, servobus::unit& of_count,
+                       std::string& own_symbol);
 
 } // namespace tool

@@ -5,6 +5,9 @@
 #include <cstdio>
 
 #include <servobus/registers/format.hpp>
+#include <servobus/registers/row_value.hpp>
+
+#include "named_values.hpp"
 
 namespace tool {
 namespace {
@@ -60,12 +63,12 @@ std::string flags_cell(const entry& e) {
 }
 
 // `3=enable` names a code, `b3=ready` a bit that is set, `0x00C0:0x0040=locked` the value 0x0040 of the bits 0x00C0.
-std::string name_part(const entry& e, const servobus::named_value& v) {
+std::string name_part(const entry& e, const servobus::named_value& v, servobus::table in) {
     const unsigned mask = v.mask;
     const bool is_one_bit = mask != 0 && (mask & (mask - 1)) == 0;
     std::string value;
-    if (mask == 0xFFFF) {
-        value = std::to_string(e.number(v.value));
+    if (v.is_whole()) { // a coil's value above 1 is a word of function 05
+        value = is_of_bits(in) && v.value > 1 ? hex(v.value) : std::to_string(code_number(e, v.value));
     } else if (is_one_bit && v.value == mask) {
         unsigned bit = 0;
         while ((mask >> bit & 1u) == 0) ++bit;
@@ -76,18 +79,34 @@ std::string name_part(const entry& e, const servobus::named_value& v) {
     return value + '=' + v.name;
 }
 
-std::string names_cell(const entry& e) {
+std::string names_cell(const entry& e, servobus::table in) {
     if (e.names == servobus::naming::halves) return "halves";
     if (e.names == servobus::naming::names && e.values.empty()) return "hex";
     std::string all;
-    for (const servobus::named_value& v : e.values) all += (all.empty() ? "" : ";") + name_part(e, v);
+    for (const servobus::named_value& v : e.values) all += (all.empty() ? "" : ";") + name_part(e, v, in);
     return all;
 }
 
 const char* order_cell(const entry& e, const servobus::profile& of) {
-    if (e.words() == 1) return "";
+    if (!has_word_order(e)) return "";
     const bool is_own = e.own_word_order != servobus::word_order::unknown;
     return is_own || of.word_order_register != 0 ? word_order_text(e.own_word_order) : "";
+}
+
+// The columns after `table`, each with a comma before it.
+std::string form_cells(const entry& e, const char* scaled_by) {
+    if (e.form == nullptr) return ",,,,,";
+    const servobus::value_form& f = *e.form;
+    const unsigned last = f.first_bit + f.bits - 1u;
+    std::string cells = ",";
+    if (f.is_part()) cells += std::to_string(f.first_bit) + (f.bits == 1 ? "" : ".." + std::to_string(last));
+    cells += ',' + (f.offset == 0 ? "" : std::to_string(f.offset)) + ',';
+    for (std::size_t i = 0; i < f.none.size(); ++i) cells += (i == 0 ? "" : ";") + std::to_string(f.none[i]);
+    cells += ',';
+    if (f.scaled != servobus::scaling::none)
+        cells += (f.scaled == servobus::scaling::exponent ? "10^" : "") +
+                 (scaled_by != nullptr ? std::string{scaled_by} : hex(f.scale_address));
+    return cells + ',' + (f.is_low_byte_first ? "low" : "");
 }
 
 std::string milliseconds(servobus::duration d) {
@@ -142,7 +161,15 @@ std::string map_header(bool is_long) {
     return line;
 }
 
-std::string map_row(const entry& e, const servobus::profile& of, const char* sentence, servobus::table in) {
+const char* scaling_name(const entry& e, std::span<const entry> rows) {
+    if (e.form == nullptr || e.form->scaled == servobus::scaling::none) return nullptr;
+    const entry* const by = servobus::catalogue{nullptr, rows}.find(e.form->scale_address);
+    return by != nullptr && by->address == e.form->scale_address ? static_cast<const char*>(by->name)
+                                                                 : nullptr;
+}
+
+std::string map_row(const entry& e, const servobus::profile& of, const char* sentence, servobus::table in,
+                    const char* scaled_by) {
     const bool is_saved = has(e.flags, flag::saved) || has(e.flags, flag::saved_on_write);
     std::string row = hex(e.address) + ',' + static_cast<const char*>(e.name) + ',' +
                       std::to_string(e.words()) + ',' + type_text(e, in) + ',' + text(e.rights) + ',' +
@@ -150,13 +177,13 @@ std::string map_row(const entry& e, const servobus::profile& of, const char* sen
                       modes_cell(e) + ',' + (e.limits.is_stated ? std::to_string(e.limits.low) : "") + ',' +
                       (e.limits.is_stated ? std::to_string(e.limits.high) : "") + ',' +
                       (e.initial != servobus::no_default ? std::to_string(e.initial) : "") + ',' +
-                      scale_text(e.unit_of_count) + ',' + symbol(e.unit_of_count.of);
+                      scale_text(e.unit_of_count) + ',' + cell(e.unit_symbol());
     if (sentence != nullptr) {
         const std::string quoted = cell(sentence);
         row += quoted.starts_with('"') ? ',' + quoted : ",\"" + quoted + '"';
     }
-    return row + ',' + flags_cell(e) + ',' + cell(names_cell(e)) + ',' + order_cell(e, of) + ',' +
-           table_text(in);
+    return row + ',' + flags_cell(e) + ',' + cell(names_cell(e, in)) + ',' + order_cell(e, of) + ',' +
+           table_text(in) + form_cells(e, scaled_by);
 }
 
 std::string profile_lines(const servobus::profile& of) {
@@ -181,6 +208,7 @@ std::string profile_lines(const servobus::profile& of) {
     put_key(lines, "corrupted_request", of.limits.corrupted_request);
     put_key(lines, "acknowledge", of.limits.acknowledge);
     put_key(lines, "echoes_byte_count", of.limits.echoes_byte_count ? "yes" : "no");
+    if (of.writes_blocks_only) put_key(lines, "writes_blocks_only", "yes");
     for (const servobus::exception_meaning& e : of.exceptions)
         put_key(lines, "exception_" + std::to_string(e.number), e.words);
     return lines;

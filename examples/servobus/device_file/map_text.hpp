@@ -35,10 +35,19 @@ enum class map_column : std::uint8_t {
     names,
     word_order,
     table,
+    bits,
+    offset,
+    none,
+    factor,
+    byte_order,
 };
 inline constexpr std::string_view map_columns[] = {
-    "address", "name",    "words", "type", "access",      "saved", "when",  "effective",  "modes", "min",
-    "max",     "default", "scale", "unit", "description", "flags", "names", "word_order", "table"};
+    "address", "name",       "words", "type",    "access", "saved", "when",        "effective",
+    "modes",   "min",        "max",   "default", "scale",  "unit",  "description", "flags",
+    "names",   "word_order", "table", "bits",    "offset", "none",  "factor",      "byte_order"};
+
+/// Ends a complaint about a word that a newer version of the form may have.
+inline constexpr const char* later_version = "; a newer version of servobus may have written the file";
 
 /// A word of the column `flags`.
 struct flag_word {
@@ -72,9 +81,12 @@ std::string scale_text(servobus::unit u);
 
 /// The header line, without its end.
 std::string map_header(bool is_long);
-/// The line of a row, without its end. `sentence`: null if the map is not long.
+/// The name of the row that scales `e`, which is one of `rows`; null if none does, or it is not there.
+const char* scaling_name(const servobus::entry& e, std::span<const servobus::entry> rows);
+/// The line of a row, without its end. `sentence`: null if the map is not long. `scaled_by`: the name of the row that
+/// scales it; null: its address.
 std::string map_row(const servobus::entry& e, const servobus::profile& of, const char* sentence,
-                    servobus::table in = servobus::table::holding_registers);
+                    servobus::table in = servobus::table::holding_registers, const char* scaled_by = nullptr);
 /// The profile, a line `# key = value` for each property.
 std::string profile_lines(const servobus::profile& of);
 

@@ -102,8 +102,13 @@ struct device {
         if (tables != nullptr) return tables[static_cast<std::size_t>(t)].entries;
         return t == servobus::table::holding_registers ? map->entries : std::span<const servobus::entry>{};
     }
-    const char* sentence(u16 address, servobus::table t) const {
-        return (tables != nullptr ? tables[static_cast<std::size_t>(t)] : *map).sentence(address);
+    const char* sentence(const servobus::entry& of, servobus::table t) const {
+        return (tables != nullptr ? tables[static_cast<std::size_t>(t)] : *map).sentence(of);
+    }
+    /// The row that scales another one; null if none does.
+    const servobus::entry* scaling_row(const servobus::entry& of) const {
+        if (of.form == nullptr || of.form->scaled == servobus::scaling::none) return nullptr;
+        return servobus::catalogue{nullptr, rows_of(of.form->scale_table)}.find(of.form->scale_address);
     }
     /// As the command line names it: its name, or the path of its file.
     std::string word() const { return file != nullptr ? file : facts().name; }

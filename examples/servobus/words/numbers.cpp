@@ -17,9 +17,7 @@ std::string counted(std::size_t n, const char* thing) {
     return std::to_string(n) + ' ' + thing + (n == 1 ? "" : "s");
 }
 
-std::optional<std::int64_t> parse_integer(std::string_view text) {
-    const bool is_negative = text.starts_with('-');
-    if (is_negative) text.remove_prefix(1);
+std::optional<std::uint64_t> parse_magnitude(std::string_view text) {
     int base = 10;
     if (text.starts_with("0x") || text.starts_with("0X")) {
         text.remove_prefix(2);
@@ -28,8 +26,15 @@ std::optional<std::int64_t> parse_integer(std::string_view text) {
     std::uint64_t value = 0;
     const char* const end = text.data() + text.size();
     const auto [stopped, error] = std::from_chars(text.data(), end, value, base);
-    if (text.empty() || error != std::errc{} || stopped != end || value > INT64_MAX) return std::nullopt;
-    const auto magnitude = static_cast<std::int64_t>(value);
+    if (text.empty() || error != std::errc{} || stopped != end) return std::nullopt;
+    return value;
+}
+
+std::optional<std::int64_t> parse_integer(std::string_view text) {
+    const bool is_negative = text.starts_with('-');
+    const std::optional<std::uint64_t> size = parse_magnitude(text.substr(is_negative ? 1 : 0));
+    if (!size || *size > INT64_MAX) return std::nullopt;
+    const auto magnitude = static_cast<std::int64_t>(*size);
     return is_negative ? -magnitude : magnitude;
 }
 

@@ -275,6 +275,10 @@ struct catalogue {
         const entry* const e = find(address);
         return e == nullptr ? "" : sentence_of(descriptions, e->address);
     }
+    /// What the register of an entry of this catalogue does.
+    constexpr const char* sentence(const entry& of) const {
+        return descriptions.empty() ? "" : descriptions[static_cast<std::size_t>(&of - entries.data())].sentence;
+    }
 };
 
 /// True if the addresses ascend and no entry overlaps the next. Parts of one register share its address, and no bit.
