@@ -164,7 +164,7 @@ class application {
                 rate != nullptr && format != nullptr && line->format_register == line->rate_register + 1;
             std::vector<u16> words;
             for (const change* c : {rate, format}) {
-                if (c != nullptr) words.push_back(static_cast<u16>(c->after));
+                if (c != nullptr) words.push_back(c->after[0]);
             }
             place next = at_.where;
             const place finished = finished_place(*wanted_);
@@ -182,7 +182,7 @@ class application {
         if (node == nullptr) return done;
         place next = at_.where;
         next.node = wanted_->node;
-        return move_by(*node->row, {static_cast<u16>(node->after)}, next);
+        return move_by(*node->row, node->after, next);
     }
     // Writes registers after which the drive responds at `next`, now or once it is switched off and on.
     int move_by(const servobus::entry& first, const std::vector<u16>& words, const place& next) {
@@ -217,8 +217,8 @@ class application {
         if (again.all().empty() || asked_->has("part")) return done;
         const change& c = again.all().front();
         return complain(failed, "[" + wanted_->name + "]: " + name_of(*c.row) + " is " +
-                                    number_text(*c.row, c.before) + " after all, not " +
-                                    number_text(*c.row, c.after));
+                                    words_text(*c.row, c.before) + " after all, not " +
+                                    words_text(*c.row, c.after));
     }
 
     const arguments* asked_;

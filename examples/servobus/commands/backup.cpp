@@ -4,6 +4,8 @@
 // servobus backup: a drive's parameters into a file.
 #include <cstdio>
 
+#include <servobus/registers/value_text.hpp>
+
 #include "../os/file_target.hpp"
 #include "../os/interrupts.hpp"
 #include "../parameters/parameters.hpp"
@@ -13,16 +15,17 @@
 namespace tool {
 namespace {
 
-// A remark for each, and no number where the drive holds what restore would refuse.
+// A remark for each, and no words where the drive holds what restore would refuse.
 std::size_t judge(std::vector<parameter>& all, std::string& first) {
     std::size_t left_out = 0;
     for (parameter& p : all) {
-        if (p.number) {
-            p.remark = number_text(*p.row, *p.number);
-            if (p.row->takes(*p.number)) continue;
-            p.remark += ", outside " + std::to_string(p.row->limits.low) + " .. " +
-                        std::to_string(p.row->limits.high);
-            p.number.reset();
+        if (p.words) {
+            p.remark = words_text(*p.row, *p.words);
+            if (takes_words(*p.row, *p.words)) continue;
+            if (has_number(value_of_words(*p.row, *p.words), {}))
+                p.remark += ", outside " + std::to_string(p.row->limits.low) + " .. " +
+                            std::to_string(p.row->limits.high);
+            p.words.reset();
         }
         if (left_out++ == 0) first = static_cast<const char*>(p.row->name) + (", " + p.remark);
     }

@@ -118,7 +118,7 @@ answer registers(const device* of, std::string_view begun, register_use wanted,
             if (is_write && equals != begun.npos) {
                 if (name != begun.substr(0, equals)) continue;
                 const bool is_code =
-                    std::ranges::all_of(e.values, [](const auto& v) { return v.mask == 0xFFFF; });
+                    std::ranges::all_of(e.values, [](const auto& v) { return v.is_whole(); });
                 const std::string before = name + "=";
                 const std::string_view value = begun.substr(equals + 1);
                 a = list_of(value, is_code ? '\0' : '+', names_of(e));

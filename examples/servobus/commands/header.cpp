@@ -38,6 +38,13 @@ constexpr std::string_view own_names[] = {"catalogue",
                                           "discrete_input_catalogue",
                                           "input_register_catalogue"};
 
+// `0x0040`, `0x80000000`
+std::string hex(std::uint32_t bits) {
+    char text[16];
+    (void)std::snprintf(text, sizeof text, "0x%04X", static_cast<unsigned>(bits));
+    return text;
+}
+
 class header_text {
   public:
     explicit header_text(const device& of)
@@ -52,7 +59,9 @@ class header_text {
         put_begin();
         put_device();
         for (const table t : all_tables) put_enumerations(t);
-        for (const table t : all_tables) put_rows(t);
+        for (const bool are_scaled : {false, true}) { // by rows that must stand before them
+            for (const table t : all_tables) put_rows(t, are_scaled);
+        }
         out_ += "\n// For tools.\nnamespace names {\n";
         for (const table t : all_tables) put_entries(t);
         out_ += "} // namespace names\n";
@@ -62,20 +71,21 @@ class header_text {
     }
 
   private:
+    template <class Is> bool any_row(Is is) const {
+        return std::ranges::any_of(all_tables,
+                                   [&](table t) { return std::ranges::any_of(of_->rows_of(t), is); });
+    }
     bool has_unit_of_meters() const {
-        for (const table t : all_tables) {
-            for (const entry& e : of_->rows_of(t)) {
-                if (cpp::is_of_meters(e.unit_of_count)) return true;
-            }
-        }
-        return false;
+        return any_row([](const entry& e) { return cpp::is_of_meters(e.unit_of_count); });
     }
 
     void put_begin() {
         out_ = "// " + std::string{of_->facts().name} + ": its registers, made by `servobus header`.\n" +
                "#pragma once\n\n#include <cstdint>\n\n#include <servobus/registers/catalogue.hpp>\n" +
                (has_unit_of_meters() ? "#include <servobus/registers/meter_units.hpp>\n" : "") +
-               "#include <servobus/registers/tables.hpp>\n\nnamespace " + space_ + " {\n";
+               "#include <servobus/registers/tables.hpp>\n" +
+               (any_row(cpp::has_form) ? "#include <servobus/registers/value_forms.hpp>\n" : "") +
+               "\nnamespace " + space_ + " {\n";
     }
 
     void put_device() {
@@ -111,19 +121,25 @@ class header_text {
             shared = name;
             out_ += "enum class " + name + codes;
             if (!e.is_signed()) continue;
-            out_ += "constexpr servobus::i16 number_of(" + name +
-                    " code) { return static_cast<servobus::i16>(code); }\n";
+            const std::string number = std::string{"servobus::"} + text(e.kind);
+            out_ += "constexpr " + number + " number_of(" + name + " code) { return static_cast<" + number +
+                    ">(code); }\n";
         }
     }
 
-    void put_rows(table t) {
+    void put_rows(table t, bool are_scaled) {
         for (const entry& e : of_->rows_of(t)) {
+            const entry* const by = of_->scaling_row(e);
+            if ((by != nullptr) != are_scaled) continue;
             // A backslash at the end of a comment would take the next line into it.
             std::string sentence = of_->sentence(e, t);
             std::ranges::replace(sentence, '\\', '/');
             out_ += "\n/// " + hex_word(e.address).substr(2) + "h " + sentence;
             while (out_.ends_with(' ')) out_.pop_back();
-            out_ += "\ninline constexpr " + cpp::row(e, t, row_name(e), codes_[row_name(e)]) + ";\n";
+            out_ += "\ninline constexpr " +
+                    cpp::row(e, t, row_name(e), codes_[row_name(e)],
+                             by != nullptr ? row_name(*by) : std::string{}) +
+                    ";\n";
         }
     }
 
@@ -132,8 +148,7 @@ class header_text {
         if (e.values.empty()) return {};
         std::string values;
         for (const servobus::named_value& v : e.values) {
-            values +=
-                "    {" + hex_word(v.mask) + ", " + hex_word(v.value) + ", " + cpp::literal(v.name) + "},\n";
+            values += "    {" + hex(v.mask) + ", " + hex(v.value) + ", " + cpp::literal(v.name) + "},\n";
         }
         std::string& array = arrays_[values];
         if (array.empty()) {
@@ -195,18 +210,6 @@ class header_text {
     bool has_sentences_[4]{};
 };
 
-// A client of the library has one word order for all pairs of a device.
-const entry* find_own_word_order(const device& of) {
-    for (const table t : all_tables) {
-        for (const entry& e : of.rows_of(t)) {
-            if (e.own_word_order != servobus::word_order::unknown &&
-                e.own_word_order != of.facts().word_order)
-                return &e;
-        }
-    }
-    return nullptr;
-}
-
 } // namespace
 } // namespace header_file
 
@@ -214,11 +217,6 @@ int header(const arguments& asked) {
     if (asked.words().size() != 1) return complain(usage, "header takes one DEVICE");
     const device* of = find_device(asked.words()[0]);
     if (of == nullptr) return usage;
-    if (const servobus::entry* e = header_file::find_own_word_order(*of)) {
-        return complain(usage,
-                        of->word() + ": " + static_cast<const char*>(e->name) +
-                            " has a word order of its own; in a header all pairs of a device have one");
-    }
     (void)std::fputs(header_file::header_text{*of}.whole().c_str(), stdout);
     return done;
 }

@@ -4,7 +4,7 @@
 
 #include <cstdio>
 
-#include <servobus/registers/format.hpp>
+#include <servobus/registers/value_text.hpp>
 
 #include "../device_file/map_text.hpp"
 #include "../device_file/named_values.hpp"
@@ -27,7 +27,8 @@ void append(std::string& list, const char* between, const std::string& item) {
 
 std::string address_text(const device& of, const entry& e) {
     std::string text = hex_word(e.address);
-    if (e.words() == 2) text += " and " + hex_word(static_cast<u16>(e.address + 1));
+    if (e.words() > 1)
+        text += (e.words() == 2 ? " and " : " to ") + hex_word(static_cast<u16>(e.address + e.words() - 1));
     if (of.number != nullptr) {
         char parameter[8];
         (void)std::snprintf(parameter, sizeof parameter, "P%02X-%02u", (e.address >> 8u) & 0xFFu,
@@ -46,6 +47,11 @@ const char* access_text(access rights) {
     return "read and write";
 }
 
+std::string registers_text(const entry& e) {
+    if (e.words() == 1) return is_text(e) ? ", one register" : "";
+    return e.words() == 2 ? ", two registers" : ", " + std::to_string(e.words()) + " registers";
+}
+
 std::string count_text(std::int64_t count, servobus::unit u) {
     char room[64];
     servobus::text_writer text{room};
@@ -59,7 +65,7 @@ std::string counts_text(const entry& e, std::int64_t low, std::int64_t high) {
         return count_text(low, u) + (low == high ? "" : ".." + count_text(high, u));
     };
     const servobus::unit u = e.unit_of_count;
-    const std::string symbol = servobus::symbol(u.of);
+    const std::string symbol = e.unit_symbol();
     const std::string raw = text({});
     const std::string scaled = text(u) + (symbol.empty() ? "" : " " + symbol);
     return scale_text(u) == "1" ? scaled : raw + " (" + scaled + ")";
@@ -75,7 +81,7 @@ std::string default_text(const entry& e) {
     if (e.is_quantity() && !e.is_code(e.initial)) return counts_text(e, e.initial, e.initial);
     char room[512];
     servobus::text_writer text{room};
-    servobus::put_value(text, e, static_cast<u16>(static_cast<std::uint64_t>(e.initial) & 0xFFFFu));
+    servobus::put_row_value(text, e, bits_of_number(e, e.initial).bits);
     const std::string named{room, text.size()};
     const std::size_t end = named.rfind(" ("); // of a word without a name there is only the word
     return std::to_string(e.initial) + (end == named.npos ? "" : " (" + named.substr(0, end) + ")");
@@ -83,7 +89,7 @@ std::string default_text(const entry& e) {
 
 std::string unit_text(const entry& e) {
     const std::string scale = scale_text(e.unit_of_count);
-    return (scale == "1" ? "" : scale + " ") + servobus::symbol(e.unit_of_count.of);
+    return (scale == "1" ? "" : scale + " ") + e.unit_symbol();
 }
 
 std::string written_text(const entry& e) {
@@ -124,6 +130,22 @@ std::string note_text(const device& of, const entry& e) {
     return notes;
 }
 
+// What the columns after `table` say.
+void print_form(const device& of, const entry& e) {
+    if (e.form == nullptr) return;
+    const servobus::value_form& f = *e.form;
+    const unsigned last = f.first_bit + f.bits - 1u;
+    if (f.is_part())
+        print_line("bits", std::to_string(f.first_bit) + (f.bits == 1 ? "" : ".." + std::to_string(last)));
+    if (f.is_low_byte_first) print_line("byte order", "the low byte first");
+    if (f.offset != 0) print_line("offset", std::to_string(f.offset) + ", in counts");
+    std::string none;
+    for (const std::int64_t raw : f.none) append(none, ", ", std::to_string(raw));
+    print_line("no value", none);
+    if (const entry* const by = of.scaling_row(e))
+        print_line("factor", (f.scaled == servobus::scaling::exponent ? "10^" : "") + std::string{by->name});
+}
+
 void print_values(const entry& e) {
     if (e.names == servobus::naming::halves) {
         print_line("values", "high byte: left");
@@ -147,8 +169,8 @@ void print_register(const device& of, const chosen& what) {
     const bool is_holding = what.form.table == servobus::table::holding_registers;
     print_line("address", address_text(of, e));
     if (!is_holding) print_line("table", table_text(what.form.table));
-    print_line("type",
-               std::string{type_text(e, what.form.table)} + (e.words() == 2 ? ", two registers" : ""));
+    print_line("type", std::string{type_text(e, what.form.table)} + registers_text(e));
+    print_form(of, e);
     print_line("access", access_text(e.rights));
     print_line("range", range_text(e));
     print_line("default", default_text(e));

@@ -12,6 +12,7 @@
 #include "../registers/typed_value.hpp"
 #include "../streams/messages.hpp"
 #include "../streams/streams.hpp"
+#include "../words/numbers.hpp"
 #include "commands.hpp"
 
 namespace tool {
@@ -24,9 +25,9 @@ struct job {
     std::vector<u16> words;
 };
 
-void print(const chosen& what, std::span<const u16> words) {
+void print(const chosen& what, std::span<const u16> words, const servobus::row_scale& scale) {
     if (what.row != nullptr) {
-        std::printf("%s=%s\n", what.name.c_str(), value_text(what, words).c_str());
+        std::printf("%s\n", assigned_text(what, words, scale).c_str());
         return;
     }
     const std::size_t width = what.form.width();
@@ -45,7 +46,7 @@ int read_all(session& on, const target& of, std::span<const chosen> wanted, reco
     for (std::size_t i = 0; i < wanted.size(); ++i) {
         const reading& r = taken->readings[i];
         if (r.is_read()) {
-            if (records.has_display()) print(wanted[i], r.words);
+            if (records.has_display()) print(wanted[i], r.words, r.scale);
         } else if (r.was_asked) {
             failures += (failures.empty() ? "" : "; ") + wanted[i].name + ": " + r.why;
         }
@@ -65,6 +66,9 @@ int warn_and_ask(const arguments& asked, const target& of, std::span<const job> 
             words += (words.empty() ? "" : ", and ") +
                      std::string{"takes raw counts, whose worth another register sets"};
         if (!words.empty()) note("warning: " + j.what.name + " " + words);
+        if (j.what.row != nullptr && j.what.row->is_part())
+            note(j.what.name + " is a part of register " + hex_word(j.what.address) +
+                 ": the register is read, and written with its other bits as they are");
     }
     return is_perilous ? ask_consent(asked, "write") : done;
 }
@@ -72,7 +76,7 @@ int warn_and_ask(const arguments& asked, const target& of, std::span<const job> 
 // What must be known of the drive before anything is written to it.
 servobus::status ask_word_order(session& on, std::span<const job> jobs) {
     for (const job& j : jobs) {
-        if (j.what.row == nullptr || j.what.row->words() == 1) continue;
+        if (j.what.row == nullptr || !has_word_order(*j.what.row)) continue;
         const servobus::status why = on.learn_word_order();
         if (why.error() != servobus::errc::ok) return why;
     }
@@ -83,7 +87,7 @@ servobus::status ask_word_order(session& on, std::span<const job> jobs) {
 std::vector<assignment> assignments_of(std::span<const job> jobs) {
     std::vector<assignment> all;
     for (const job& j : jobs) {
-        if (j.what.form.is_bit()) continue;
+        if (j.what.form.is_bit() || (j.what.row != nullptr && j.what.row->is_part())) continue;
         for (std::size_t i = 0; i < j.words.size(); ++i)
             all.push_back({static_cast<u16>(j.what.address + i), j.words[i]});
     }
@@ -136,8 +140,10 @@ std::string progress_text(std::size_t written, std::size_t all) {
 }
 
 // A register that holds what was written into it: no command, and none that changes who answers or takes effect later.
-bool holds_its_word(const chosen& what) {
+// The state of a coil after another word than on and off is not known.
+bool holds_its_word(const chosen& what, std::span<const u16> words) {
     using enum servobus::flag;
+    if (what.form.is_bit() && words[0] > 1) return false;
     if (what.row == nullptr) return true;
     if (what.row->rights != servobus::access::rw) return false;
     for (const servobus::flag other : {trigger, communication, after_power_cycle, at_stop}) {
@@ -153,9 +159,12 @@ int check_held(session& on, const target& of, std::span<const job> jobs) {
     for (std::size_t i = 0; i < jobs.size(); ++i) {
         const job& j = jobs[i];
         const auto is_same = [&j](const job& later) {
-            return later.what.address == j.what.address && later.what.form.table == j.what.form.table;
+            const bool is_another_part =
+                j.what.row != nullptr && j.what.row->is_part() && later.what.row != j.what.row;
+            return later.what.address == j.what.address && later.what.form.table == j.what.form.table &&
+                   !is_another_part;
         };
-        if (!holds_its_word(j.what) ||
+        if (!holds_its_word(j.what, j.words) ||
             std::any_of(jobs.begin() + static_cast<std::ptrdiff_t>(i) + 1, jobs.end(), is_same))
             continue;
         std::vector<u16> held(j.words.size());
@@ -234,7 +243,7 @@ int write(const arguments& asked) {
             return complain(failed, j.what.name + ": " + why_text(*of, j.what, w, on) + hint_after(w, j) +
                                         progress_text(i, jobs.size()));
         }
-        print(j.what, j.words);
+        print(j.what, j.words, j.what.row != nullptr ? unknown_scale(*j.what.row) : servobus::row_scale{});
         if (const std::string why = streams::why_lost(); !why.empty())
             return complain(failed, why + count_of(i + 1, jobs.size()));
     }

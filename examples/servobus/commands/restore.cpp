@@ -30,7 +30,7 @@ class restoration {
         if (const int status = changes_.look_for_rest(); status != done) return status;
         std::vector<parameter> wanted;
         for (const parameter& p : file) {
-            if (is_restorable(*p.row) && p.number) wanted.push_back(p);
+            if (is_restorable(*p.row) && p.words) wanted.push_back(p);
         }
         if (const int status = changes_.compare(wanted); status != done) return status;
         say_what_differs(file);
@@ -56,7 +56,7 @@ class restoration {
         for (const parameter& p : file) {
             if (!is_restorable(*p.row)) {
                 ++skipped;
-            } else if (!p.number) {
+            } else if (!p.words) {
                 ++unknown;
             }
         }

@@ -31,6 +31,9 @@ void wait_until(servobus::instant due) {
 struct shown_register {
     std::string name;
     std::string value;
+
+    /// `current=12.34 A`, `current: no value`
+    std::string assigned() const { return name + (value == no_value ? ": " : "=") + value; }
 };
 
 class display {
@@ -63,7 +66,7 @@ class display {
         std::printf("%u.%03u", static_cast<unsigned>(ms / 1000), static_cast<unsigned>(ms % 1000));
         const char* between = " ";
         for (const shown_register& s : round) {
-            std::printf("%s%s=%s", between, s.name.c_str(), s.value.c_str());
+            std::printf("%s%s", between, s.assigned().c_str());
             between = ", ";
         }
         (void)std::puts("");
@@ -80,10 +83,10 @@ std::vector<shown_register> shown_registers(std::span<const chosen> wanted, cons
     for (std::size_t r = 0; r < wanted.size(); ++r) {
         const chosen& what = wanted[r];
         const reading& read = taken.readings[r];
-        if (!read.was_asked) break;
+        if (!read.was_asked) continue;
         if (what.row != nullptr) {
-            round.push_back(
-                {what.name, read.is_read() ? value_text(what, read.words) : '(' + read.why + ')'});
+            round.push_back({what.name, read.is_read() ? value_text(what, read.words, read.scale)
+                                                       : '(' + read.why + ')'});
             continue;
         }
         const std::size_t width = what.form.width();

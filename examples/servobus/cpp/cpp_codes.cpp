@@ -4,23 +4,37 @@
 
 #include <algorithm>
 
+#include "../device_file/named_values.hpp"
 #include "cpp_names.hpp"
 
 namespace tool::cpp {
 
+namespace {
+
+// The lowest number of 32 bits has no literal of its own.
+std::string enumerator_text(const servobus::entry& e, std::uint32_t bits) {
+    const std::int64_t number = code_number(e, bits);
+    return number == INT32_MIN ? std::to_string(number + 1) + " - 1" : std::to_string(number);
+}
+bool has_own_order(const servobus::entry& e) { return e.own_word_order != servobus::word_order::unknown; }
+
+} // namespace
+
 bool has_codes(const servobus::entry& e) {
     const bool is_quantity =
         e.unit_of_count != servobus::unit{} || has(e.flags, servobus::flag::scaled_elsewhere);
-    const auto is_code = [](const servobus::named_value& v) { return v.mask == 0xFFFF; };
-    return !is_quantity && !e.values.empty() && std::ranges::all_of(e.values, is_code);
+    const auto is_code = [](const servobus::named_value& v) { return v.is_whole(); };
+    return !is_quantity && is_plain(e) && !has_own_order(e) && !e.values.empty() &&
+           std::ranges::all_of(e.values, is_code);
 }
 
 std::string enumeration(const servobus::entry& e) {
-    std::string lines = std::string{" : std::"} + (e.is_signed() ? "int16_t" : "uint16_t") + " {\n";
+    const std::string bits = std::to_string(16 * e.words());
+    std::string lines = std::string{" : std::"} + (e.is_signed() ? "int" : "uint") + bits + "_t {\n";
     scope names{"code_", {}};
     for (const servobus::named_value& v : e.values) {
         const std::string name = names.name(v.name);
-        lines += "    " + name + " = " + std::to_string(e.number(v.value)) + ',';
+        lines += "    " + name + " = " + enumerator_text(e, v.value) + ',';
         std::string text = v.name;
         std::ranges::replace(text, ' ', '_');
         if (text != name) {

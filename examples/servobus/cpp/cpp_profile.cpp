@@ -62,6 +62,7 @@ std::string device_class(const servobus::profile& facts) {
     number(".read_retries", facts.read_retries, usual.read_retries);
     const bool has_exceptions = facts.exceptions.begin() != facts.exceptions.end();
     put(!has_exceptions, ".exceptions = exceptions");
+    put(!facts.writes_blocks_only, ".writes_blocks_only = true");
     std::string out = "struct device {\n";
     if (has_exceptions) {
         out += "    static constexpr servobus::exception_meaning exceptions[] = {\n";

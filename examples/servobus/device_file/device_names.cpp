@@ -18,7 +18,7 @@ namespace {
 
 using servobus::entry;
 
-constexpr std::uint32_t whole = 0xFFFF; // the mask of a code
+constexpr std::uint32_t code_mask = 0xFFFF; // the mask of a code
 
 // The bits of a code: a number of the row's type, without its offset, or in hexadecimal the bits themselves.
 std::optional<std::uint32_t> parse_code(std::string_view text, const device_row& row) {
@@ -52,7 +52,7 @@ std::string judge_name(const cell_name& n, const entry& e) {
     if (n.name.starts_with("0x") || n.name.starts_with("0X"))
         return "the name " + csv::shown(n.name) + " would be read as a number";
     const std::optional<std::int64_t> number = parse_integer(n.name);
-    const bool is_own = n.mask == whole && number == value_of(e, n.value).count();
+    const bool is_own = n.mask == code_mask && number == value_of(e, n.value).count();
     if (number && !is_own && e.limits.contains(*number))
         return "the name " + csv::shown(n.name) + " is also another value of the register";
     return {};
@@ -72,7 +72,7 @@ std::string one_name(std::string_view part, device_row& row) {
     if (equals == part.npos)
         return "names takes 3=enable, b3=ready, 0x00C0:0x0040=locked, hex or halves, not " + csv::shown(part);
     const std::string_view place = csv::trimmed(part.substr(0, equals));
-    cell_name n{whole, 0, csv::trimmed(part.substr(equals + 1))};
+    cell_name n{code_mask, 0, csv::trimmed(part.substr(equals + 1))};
     if (is_reversed(place, n.name)) {
         return "names takes CODE=name, as in " + csv::shown(std::string{n.name} + '=' + std::string{place}) +
                ", not " + csv::shown(part);
@@ -83,9 +83,9 @@ std::string one_name(std::string_view part, device_row& row) {
         const auto all = static_cast<std::int64_t>(all_bits_of(row.entry));
         if (!mask || !value || *mask < 1 || *mask > all || *value < 0 || (*value & ~*mask) != 0)
             return csv::shown(place) + " is no MASK:VALUE of bits inside the mask";
-        if (*mask == whole && all > whole)
+        if (*mask == code_mask && all > code_mask)
             return csv::shown(place) + " is the low word of a pair: name its bits";
-        n.mask = *mask == all ? whole : static_cast<std::uint32_t>(*mask);
+        n.mask = *mask == all ? code_mask : static_cast<std::uint32_t>(*mask);
         n.value = static_cast<std::uint32_t>(*value);
     } else if (!is_bit && place.starts_with('b')) {
         const std::optional<std::int64_t> bit = parse_integer(place.substr(1));

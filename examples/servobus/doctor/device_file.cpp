@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSL-1.0
 #include "device_file.hpp"
 
+#include <algorithm>
 #include <set>
 
 #include "../devices/device.hpp"
@@ -19,13 +20,17 @@ std::string range_text(const servobus::entry& e) {
     return number_text(e, e.limits.low) + " .. " + number_text(e, e.limits.high);
 }
 
-void judge_value(report& to, const servobus::entry& e, std::int64_t number, const std::string& command) {
+void judge_value(report& to, const servobus::entry& e, std::span<const u16> words,
+                 const servobus::row_scale& scale, const std::string& command) {
     const std::string name = static_cast<const char*>(e.name);
-    const std::string value = name + '=' + number_text(e, number);
-    if (!e.takes(number)) {
-        const bool can_mend = e.rights == servobus::access::rw && e.initial != servobus::no_default;
-        to.warn(value + ": outside " + range_text(e), can_mend ? command : "");
-    } else if (e.rights == servobus::access::rw && e.initial != servobus::no_default && number != e.initial) {
+    const std::string value = name + '=' + words_text(e, words, scale);
+    const bool has_default = e.rights == servobus::access::rw && e.initial != servobus::no_default;
+    if (!is_text(e) && value_of_words(e, words).is == servobus::row_value::state::no_value) return;
+    if (!takes_words(e, words)) {
+        const bool is_digit =
+            !is_text(e) && value_of_words(e, words).is == servobus::row_value::state::no_number;
+        to.warn(value + (is_digit ? "" : ": outside " + range_text(e)), has_default ? command : "");
+    } else if (has_default && !std::ranges::equal(words, words_of(e, e.initial))) {
         to.differ_from_default(value, number_text(e, e.initial));
     }
 }
@@ -98,6 +103,22 @@ bool judge_whole_file(report& to, session& on, const target& of, std::span<const
     return true;
 }
 
+// The words of a row; none if it was not read.
+std::vector<u16> words_held(const table_content& t, const servobus::entry& e) {
+    std::vector<u16> words;
+    if (!t.is_whole || !t.held.has(e.address)) return words;
+    for (std::size_t i = 0; i < e.words(); ++i) words.push_back(t.held.word(static_cast<u16>(e.address + i)));
+    return words;
+}
+
+servobus::row_scale scale_of(const target& of, const servobus::entry& e, std::span<const table_content> all) {
+    const servobus::entry* const by = of.kind->scaling_row(e);
+    if (by == nullptr) return {};
+    if (all.size() <= static_cast<std::size_t>(e.form->scale_table)) return unknown_scale(e);
+    const std::vector<u16> words = words_held(all[static_cast<std::size_t>(e.form->scale_table)], *by);
+    return words.empty() ? unknown_scale(e) : scale_from(e, *by, value_of_words(*by, words));
+}
+
 } // namespace
 
 servobus::status judge_rows(report& to, session& on, const target& of) {
@@ -109,14 +130,12 @@ servobus::status judge_rows(report& to, session& on, const target& of) {
             to.unread(std::string{static_cast<const char*>(u.row->name)} + ": " + why_text(of, u.why, on),
                       false);
         for (const servobus::entry* e : t.rows) {
-            if (!t.is_whole || !t.held.has(e->address)) continue;
-            std::vector<u16> words;
-            for (std::size_t i = 0; i < e->words(); ++i)
-                words.push_back(t.held.word(static_cast<u16>(e->address + i)));
+            const std::vector<u16> words = words_held(t, *e);
+            if (words.empty()) continue;
             const std::string back = e->initial == servobus::no_default
                                          ? ""
                                          : typed_assignment(choose(*e, t.in), words_of(*e, e->initial));
-            judge_value(to, *e, number_of(*e, words), to.command("write", back));
+            judge_value(to, *e, words, scale_of(of, *e, all), to.command("write", back));
         }
     }
     return ended;

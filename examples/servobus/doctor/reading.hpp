@@ -11,6 +11,7 @@
 
 #include <servobus/core/result.hpp>
 
+#include "../registers/adjacent_rows.hpp"
 #include "check.hpp"
 
 namespace tool::diagnosis {
@@ -24,20 +25,6 @@ struct unread {
 /// The device responds, but does not give the register.
 inline bool is_refusal(const servobus::status& why) {
     return why.error() == servobus::errc::exception || why.error() == servobus::errc::unexpected_value;
-}
-
-/// The first rows of a list that are adjacent and fit in one request.
-inline std::size_t count_adjacent(std::span<const servobus::entry* const> rows, std::size_t most) {
-    std::size_t count = 1;
-    std::size_t words = rows[0]->words();
-    while (count < rows.size()) {
-        const servobus::entry& last = *rows[count - 1];
-        const servobus::entry& next = *rows[count];
-        if (next.address != last.address + last.words() || words + next.words() > most) break;
-        words += next.words();
-        ++count;
-    }
-    return count;
 }
 
 /// `read(rows, words)` reads adjacent rows, the high word of each pair first, and returns a status. Rows that are
@@ -56,8 +43,11 @@ std::vector<unread> read_into(held_registers& held, std::span<const servobus::en
         if (why.error() != servobus::errc::ok) return why;
         std::size_t at = 0;
         for (const servobus::entry* e : some) {
+            // A part has its bits alone; the register holds those of all its parts.
+            const bool is_begun = e->is_part() && held.has(e->address);
+            const u16 others = is_begun ? held.word(e->address) : u16{0};
             for (std::size_t i = 0; i < e->words(); ++i)
-                held.put(static_cast<u16>(e->address + i), words[at++]);
+                held.put(static_cast<u16>(e->address + i), static_cast<u16>(words[at++] | others));
         }
         return why;
     };

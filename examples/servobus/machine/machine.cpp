@@ -136,7 +136,7 @@ int compare_required(found_drive& at, const machine_section& wanted, std::size_t
     if (const int status = found.read_differences(required); status != done) return status;
     for (const change& c : found.all()) {
         std::printf("%s.%s is %s, required %s\n", wanted.name.c_str(), name_of(*c.row).c_str(),
-                    number_text(*c.row, c.before).c_str(), number_text(*c.row, c.after).c_str());
+                    words_text(*c.row, c.before).c_str(), words_text(*c.row, c.after).c_str());
     }
     differing += found.differing();
     return done;

@@ -69,7 +69,7 @@ std::string without_unit(const servobus::entry& e, std::string_view value, std::
     if (blank == value.npos) return std::string{number};
     const std::string unit{csv::trimmed(value.substr(blank))};
     const bool is_raw = has(e.flags, servobus::flag::scaled_elsewhere);
-    const std::string own = is_raw ? "" : servobus::symbol(e.unit_of_count.of);
+    const std::string own = is_raw ? "" : e.unit_symbol();
     if (unit == own) return std::string{number};
     const bool is_decimal = number.find_first_not_of("+-.0123456789") == number.npos;
     if (is_decimal && !own.empty() && own == 'm' + unit) return shifted(number, 1);
@@ -84,7 +84,7 @@ std::string without_unit(const servobus::entry& e, std::string_view value, std::
 std::vector<parameter> machine_section::parameters(bool is_required) const {
     std::vector<parameter> all;
     for (const machine_line& l : lines) {
-        if (l.is_required == is_required) all.push_back({l.row, l.number, {}});
+        if (l.is_required == is_required) all.push_back({l.row, l.words, {}});
     }
     return all;
 }
@@ -220,7 +220,7 @@ std::string machine_file::take_setting(std::string_view line) {
     if (sections_.empty())
         return csv::shown(line) + " is before any drive, such as [lift] device=yako-closed-loop node=2";
     machine_section& in = sections_.back();
-    machine_line added{nullptr, 0, lines_.number(), false};
+    machine_line added{nullptr, {}, lines_.number(), false};
     std::string_view rest = line;
     if (take_word(rest) == "require") {
         added.is_required = true;
@@ -255,7 +255,7 @@ std::string machine_file::take_setting(std::string_view line) {
         if (why.empty()) why = read_value(readable, false, number, words);
     }
     if (!why.empty()) return why;
-    added.number = number_of(*added.row, words);
+    added.words = words;
     if (why = contradiction(in, added); !why.empty()) return why;
     in.lines.push_back(added);
     return {};
@@ -267,27 +267,27 @@ std::string machine_file::contradiction(const machine_section& in, const machine
     for (const machine_line& other : in.lines) {
         if (other.row == added.row)
             return name + " is there twice, first in line " + std::to_string(other.line);
-        const bool is_taken = in.kind->excludes != nullptr && added.number != 0 &&
-                              added.number == other.number &&
+        const bool is_taken = in.kind->excludes != nullptr && number_of(*added.row, added.words) != 0 &&
+                              added.words == other.words &&
                               in.kind->excludes(added.row->address, other.row->address);
         if (is_taken)
             return name + " and " + std::string{other.row->name} + " in line " + std::to_string(other.line) +
                    " cannot have the same function";
     }
-    if (added.row->address == in.kind->node_register && added.number != in.node)
-        return name + "=" + std::to_string(added.number) +
+    const std::int64_t number = is_text(*added.row) ? 0 : number_of(*added.row, added.words);
+    if (added.row->address == in.kind->node_register && number != in.node)
+        return name + "=" + std::to_string(number) +
                ", but the drive's line has node=" + std::to_string(in.node) +
                ", its address on the finished machine";
     if (in.kind->on_line == nullptr) return {};
     for (const servobus::rate_choice& r : in.kind->on_line->rates) {
-        const bool is_this = in.kind->on_line->rate_register == added.row->address && r.code == added.number;
+        const bool is_this = in.kind->on_line->rate_register == added.row->address && r.code == number;
         if (is_this && r.baud != in.baud)
             return name + " is " + std::to_string(r.baud) + " baud, but the drive's line has " +
                    std::to_string(in.baud);
     }
     for (const servobus::format_choice& f : in.kind->on_line->formats) {
-        const bool is_this =
-            in.kind->on_line->format_register == added.row->address && f.code == added.number;
+        const bool is_this = in.kind->on_line->format_register == added.row->address && f.code == number;
         if (is_this && f.format != in.format)
             return name + " is " + text(f.format) + ", but the drive's line has " + text(in.format);
     }

@@ -28,7 +28,7 @@ namespace tool {
 /// A line `REG=VALUE` of a section.
 struct machine_line {
     const servobus::entry* row;
-    std::int64_t number;
+    std::vector<u16> words; ///< in the order of row_words.hpp
     std::size_t line;
     bool is_required; ///< compared, never written
 };

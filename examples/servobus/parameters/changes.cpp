@@ -28,6 +28,10 @@ bool sets_terminals(const servobus::entry& e) {
     return name.ends_with("_brake");
 }
 
+bool is_zero(std::span<const u16> words) {
+    return std::ranges::all_of(words, [](u16 word) { return word == 0; });
+}
+
 bool is_stored(const change& c) { return has(c.row->flags, flag::saved_on_write); }
 
 } // namespace
@@ -82,9 +86,9 @@ int changes::read_differences(std::vector<parameter> wanted) {
     if (!held) return failed;
     for (std::size_t i = 0; i < wanted.size(); ++i) {
         const parameter& h = (*held)[i];
-        if (!h.number) return complain(failed, name_of(*h.row) + ": " + h.remark + "; nothing was written");
-        if (*h.number == *wanted[i].number) continue;
-        all_.push_back({h.row, *h.number, *wanted[i].number});
+        if (!h.words) return complain(failed, name_of(*h.row) + ": " + h.remark + "; nothing was written");
+        if (*h.words == *wanted[i].words) continue;
+        all_.push_back({h.row, *h.words, *wanted[i].words});
     }
     differing_ = all_.size();
     return done;
@@ -93,7 +97,7 @@ int changes::read_differences(std::vector<parameter> wanted) {
 int changes::compare(std::vector<parameter> wanted) {
     if (const int status = read_differences(std::move(wanted)); status != done) return status;
     for (const change& c : all_) {
-        if (c.after != 0 || !has(c.row->flags, flag::zero_by_name)) continue;
+        if (!is_zero(c.after) || !has(c.row->flags, flag::zero_by_name)) continue;
         if (!rules_.is_dry)
             return complain(failed, "refused, nothing was written: " + undocumented_zero(*c.row));
         note("warning: without --dry-run it is refused: " + undocumented_zero(*c.row));
@@ -106,8 +110,8 @@ int changes::compare(std::vector<parameter> wanted) {
 void changes::print() const {
     for (const change& c : all_) {
         std::printf("%s%s%s%s -> %s\n", rules_.drive.c_str(), name_of(*c.row).c_str(),
-                    rules_.drive.empty() ? "=" : " ", number_text(*c.row, c.before).c_str(),
-                    number_text(*c.row, c.after).c_str());
+                    rules_.drive.empty() ? "=" : " ", words_text(*c.row, c.before).c_str(),
+                    words_text(*c.row, c.after).c_str());
     }
 }
 
@@ -130,15 +134,16 @@ void changes::release_first() {
     std::vector<change> first;
     for (change& c : all_) {
         const auto takes_it = [&](const change& other) {
-            return other.after != 0 && other.after == c.before &&
+            return !is_zero(other.after) && other.after == c.before &&
                    of_->kind->excludes(other.row->address, c.row->address);
         };
-        if (c.after == 0 || c.before == 0 || std::ranges::none_of(all_, takes_it)) continue;
-        first.push_back({c.row, c.before, 0});
-        c.before = 0;
+        if (is_zero(c.after) || is_zero(c.before) || std::ranges::none_of(all_, takes_it)) continue;
+        const std::vector<u16> none(c.before.size());
+        first.push_back({c.row, c.before, none});
+        c.before = none;
     }
     const auto loses_it = [&](const change& c) {
-        return c.after == 0 && is_exclusive(*of_->kind, c.row->address);
+        return is_zero(c.after) && is_exclusive(*of_->kind, c.row->address);
     };
     std::stable_partition(all_.begin(), all_.end(), loses_it);
     all_.insert(all_.begin(), first.begin(), first.end());
@@ -153,7 +158,7 @@ void changes::line_last() {
 int changes::look_for_clash() {
     std::vector<assignment> wanted;
     for (const change& c : all_) {
-        if (c.row->words() == 1) wanted.push_back({c.row->address, words_of(*c.row, c.after)[0]});
+        if (c.row->words() == 1) wanted.push_back({c.row->address, c.after[0]});
     }
     const clash found = find_clash(*on_, *of_, wanted);
     return found.is_none() ? done : complain(failed, clash_text(*of_, found, *on_));
@@ -225,7 +230,7 @@ int changes::write() {
 int changes::carry_out(const change& c) {
     if (interrupts::came()) return stop_at("interrupted");
     const chosen what = choose(*c.row);
-    const std::vector<u16> content = words_of(*c.row, c.after);
+    const std::vector<u16>& content = c.after;
     const servobus::status w = on_->write(what, content);
     if (!w) {
         return stop_at(what.name + ": " + why_text(*of_, what, w, *on_),

@@ -18,8 +18,8 @@ namespace tool {
 /// A register that holds something else than it should.
 struct change {
     const servobus::entry* row;
-    std::int64_t before;
-    std::int64_t after;
+    std::vector<u16> before; ///< in the order of row_words.hpp
+    std::vector<u16> after;
 };
 
 std::string name_of(const servobus::entry& e);

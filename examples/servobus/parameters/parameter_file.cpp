@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSL-1.0
 //
 // A drive's parameters as a file's text, and back.
+#include <algorithm>
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
@@ -104,11 +105,20 @@ class reader {
         return at != rows_by_name_.end() ? at->second : nullptr;
     }
 
+    // A text in quotes may have the sign of a remark, and no quote.
+    static std::string_view without_remark(std::string_view line) {
+        const std::size_t opening = line.find("=\"");
+        const std::size_t closing =
+            opening == line.npos ? 0 : std::min(line.find('"', opening + 2), line.size());
+        line = line.substr(0, line.find('#', closing));
+        while (line.ends_with(' ')) line.remove_suffix(1);
+        return line;
+    }
+
     // name=number # remark
     std::string row(std::string_view line) {
         const std::string place = "line " + std::to_string(number_) + ", ";
-        line = line.substr(0, line.find('#'));
-        while (line.ends_with(' ')) line.remove_suffix(1);
+        line = without_remark(line);
         const std::size_t equals = line.find('=');
         if (equals == line.npos) return place + "'" + std::string{line} + "' is no name=number";
         const std::string name{line.substr(0, equals)};
@@ -122,13 +132,18 @@ class reader {
             found_.push_back({e, std::nullopt, {}});
             return {};
         }
-        const std::optional<std::int64_t> number = parse_integer(value);
-        if (!number) return place + name + ": '" + value + "' is no whole number";
-        if (!e->takes(*number)) {
+        const std::optional<std::vector<u16>> words = parse_plain(*e, value);
+        const bool is_number = parse_integer(value) && !is_text(*e);
+        if (!words && !is_number)
+            return place + name + ": '" + value + "' is no " +
+                   (is_text(*e)    ? "text in quotes of " + std::to_string(2 * e->words()) + " characters"
+                    : is_float(*e) ? "finite number"
+                                   : "whole number");
+        if (!words || !takes_words(*e, *words)) {
             return place + name + ": " + value + " is outside " + std::to_string(e->limits.low) + " .. " +
                    std::to_string(e->limits.high) + what_it_takes(*e);
         }
-        found_.push_back({e, number, {}});
+        found_.push_back({e, words, {}});
         return {};
     }
 
@@ -167,7 +182,7 @@ std::string file_text(const device& of, std::span<const parameter> all) {
                        " device=" + of.facts().name + " rows=" + std::to_string(all.size()) + '\n';
     for (const parameter& p : all) {
         text += static_cast<const char*>(p.row->name);
-        text += '=' + (p.number ? std::to_string(*p.number) : std::string{"?"}) + " # " + p.remark + '\n';
+        text += '=' + (p.words ? plain_text(*p.row, *p.words) : std::string{"?"}) + " # " + p.remark + '\n';
     }
     return text + "crc16=" + hex_word(crc_of(text)) + '\n';
 }

@@ -5,28 +5,17 @@
 #include "parameters.hpp"
 
 #include "../os/interrupts.hpp"
+#include "../registers/adjacent_rows.hpp"
 #include "../streams/messages.hpp"
 
 namespace tool {
 namespace {
 
 using servobus::entry;
-using row_list = std::span<const entry* const>;
-
 std::size_t words_in(row_list rows) {
     std::size_t count = 0;
     for (const entry* e : rows) count += e->words();
     return count;
-}
-
-// The first rows of a list that are adjacent and fit in one request.
-row_list adjacent(row_list rows, std::size_t most) {
-    std::size_t count = 1;
-    while (count < rows.size() &&
-           rows[count]->address == rows[count - 1]->address + rows[count - 1]->words() &&
-           words_in(rows.first(count + 1)) <= most)
-        ++count;
-    return rows.first(count);
 }
 
 // Reads adjacent rows and puts what they hold behind `all`.
@@ -36,13 +25,14 @@ servobus::status read_some(session& on, row_list rows, std::vector<parameter>& a
     if (why.error() != servobus::errc::ok) return why;
     std::span<const u16> rest{words};
     for (const entry* e : rows) {
-        all.push_back({e, number_of(*e, rest.first(e->words())), {}});
+        const auto own = rest.first(e->words());
+        all.push_back({e, std::vector<u16>{own.begin(), own.end()}, {}});
         rest = rest.subspan(e->words());
     }
     return {};
 }
 
-// One by one, since the drive refused one of them; what it refuses alone has no number.
+// One by one, since the drive refused one of them; what it refuses alone has no words.
 servobus::status read_each(session& on, const target& of, row_list rows, std::vector<parameter>& all) {
     for (std::size_t i = 0; i < rows.size(); ++i) {
         const servobus::status why = read_some(on, rows.subspan(i, 1), all);
@@ -68,7 +58,7 @@ std::optional<std::vector<parameter>> read_parameters(session& on, const target&
             complain(failed, "interrupted while reading; nothing was written");
             return std::nullopt;
         }
-        const row_list some = adjacent(rows, of.facts().max_read);
+        const row_list some = rows.first(count_adjacent(rows, of.facts().max_read));
         servobus::status why = read_some(on, some, all);
         if (why.error() == servobus::errc::exception) why = read_each(on, of, some, all);
         if (why.error() != servobus::errc::ok) {

@@ -8,7 +8,7 @@
 //     left_max_current=? # 400, outside 0.0 A .. 30.0 A
 //     crc16=0x1234
 //
-// with each register's raw number, or ? if the drive refused to give it or holds what the manual does not
+// with each register's raw number, a float as the shortest number that gives its bits again, a text in quotes, or ? if the drive refused to give it or holds what the manual does not
 // allow: restore leaves such a register alone. The CRC, that of Modbus, is of everything before its line.
 #pragma once
 
@@ -23,10 +23,10 @@
 
 namespace tool {
 
-/// A register and what it holds, as `entry::number` gives it; nothing for ?.
+/// A register and the words that it holds, in the order of row_words.hpp; nothing for ?.
 struct parameter {
     const servobus::entry* row = nullptr;
-    std::optional<std::int64_t> number{};
+    std::optional<std::vector<u16>> words{};
     std::string remark{};
 };
 
@@ -41,7 +41,7 @@ std::string file_text(const device& of, std::span<const parameter> all);
 /// anything about the file is wrong.
 std::optional<std::vector<parameter>> parse_file(const device& of, const std::string& path);
 
-/// Reads these rows, which are in address order, in as few requests as they take. A number is missing where
+/// Reads these rows, which are in address order, in as few requests as they take. Words are missing where
 /// the drive refused. Complains by itself about anything else, and about an interruption.
 std::optional<std::vector<parameter>> read_parameters(session& on, const target& of,
                                                       std::span<const servobus::entry* const> rows);

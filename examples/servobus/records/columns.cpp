@@ -4,7 +4,7 @@
 
 #include <cstdio>
 
-#include <servobus/registers/format.hpp>
+#include <servobus/registers/value_text.hpp>
 
 #include "../registers/session.hpp"
 #include "../streams/messages.hpp"
@@ -37,11 +37,32 @@ std::string json_string(std::string_view text) {
     return quoted + '"';
 }
 
+// A number, or the text of a row in quotes, as JSON has it.
+std::string json_value(std::string_view text) {
+    const bool is_quoted = text.size() > 1 && text.starts_with('"') && text.ends_with('"');
+    return is_quoted ? json_string(text.substr(1, text.size() - 2)) : std::string{text};
+}
+
 bool has_foreign_scale(const servobus::entry& e) { return has(e.flags, servobus::flag::scaled_elsewhere); }
 
 // The worth of a count is not known where another register sets it.
 servobus::unit unit_of(const servobus::entry& e) {
     return has_foreign_scale(e) ? servobus::unit{servobus::measure::count} : e.unit_of_count;
+}
+std::string unit_symbol(const servobus::entry& e) {
+    return has_foreign_scale(e) ? symbol(servobus::measure::count) : e.unit_symbol();
+}
+
+// The number of a row of a form that drives do not have; `nan` if there is none.
+std::string form_number(const servobus::entry& e, std::span<const u16> words,
+                        const servobus::row_scale& scale) {
+    const servobus::row_value v = value_of_words(e, words);
+    const bool is_code = e.is_quantity() && is_named_code(e, v.bits);
+    if (is_code || !has_number(v, scale) || has_no_value(v, scale)) return "nan";
+    char room[100];
+    servobus::text_writer text{room};
+    put_number(text, e, v, scale);
+    return {room, text.size()};
 }
 
 std::string name_of_request(const chosen& what) { return what.row != nullptr ? what.name : raw_name(what); }
@@ -57,7 +78,7 @@ void columns::add(const chosen& what, std::size_t place) {
         return;
     }
     column c{.name = what.name,
-             .unit = what.row->is_quantity() ? symbol(unit_of(*what.row).of) : "",
+             .unit = what.row->is_quantity() ? unit_symbol(*what.row) : "",
              .row = what.row,
              .of = place};
     if (what.row->names != servobus::naming::halves) {
@@ -89,6 +110,8 @@ std::string columns::number_text(const column& c, const reading& r) {
     const std::span<const u16> words = std::span{r.words}.subspan(c.word);
     if (c.row == nullptr) return raw_number(c.form, words);
     const servobus::entry& e = *c.row;
+    if (is_text(e)) return words_text(e, words);
+    if (!is_plain(e)) return form_number(e, words, r.scale);
     std::int64_t count = 0;
     if (c.which == part::whole) {
         count = number_of(e, words);
@@ -105,11 +128,8 @@ std::string columns::number_text(const column& c, const reading& r) {
 
 // The names of a code or of bits: `enable`; 0x0008 if it has none.
 std::string columns::name_text(const column& c, const reading& r) {
-    char room[512];
-    servobus::text_writer text{room};
-    servobus::put_value(text, *c.row, r.words[c.word], servobus::value_format::tokens);
-    const std::string_view whole{room, text.size()};
-    return std::string{whole.substr(0, whole.find(' '))};
+    const std::string whole = words_text(*c.row, std::span{r.words}.subspan(c.word), r.scale);
+    return whole.substr(0, whole.find(' '));
 }
 
 std::string columns::csv_header() const {
@@ -129,7 +149,7 @@ std::string columns::csv_row(const snapshot& s) const {
     line += ',' + unix_ms_text(s.began);
     for (const column& c : columns_) {
         const reading& r = s.readings[c.of];
-        line += ',' + (r.is_read() ? number_text(c, r) : "nan");
+        line += ',' + (r.is_read() ? plain_cell(number_text(c, r)) : "nan");
     }
     return line + '\n';
 }
@@ -141,9 +161,8 @@ std::string columns::json_line(const snapshot& s) const {
     for (const column& c : columns_) {
         const reading& r = s.readings[c.of];
         const std::string number = r.is_read() ? number_text(c, r) : "null";
-        const bool is_number =
-            number.find('n') == number.npos; // a float may be nan, and so is a code of a quantity
-        line += between + json_string(c.name) + ":{\"value\":" + (is_number ? number : "null");
+        const bool is_number = number != "null" && number != "nan"; // as a code of a quantity is
+        line += between + json_string(c.name) + ":{\"value\":" + (is_number ? json_value(number) : "null");
         if (!c.unit.empty()) line += ",\"unit\":" + json_string(c.unit);
         const bool is_quantity = c.row == nullptr || c.row->is_quantity();
         if (!is_quantity ||

@@ -40,6 +40,7 @@ std::optional<target> parse_target(std::string_view text) {
         return std::nullopt;
     }
     t.node = static_cast<std::uint8_t>(*node);
+    t.peer_unit = t.is_peer() ? t.node : std::uint8_t{0};
     return t;
 }
 
@@ -184,7 +185,7 @@ int session::check(const arguments& asked, const target& of) {
     settings_.keeps_echo = *echoes;
     const bool is_known_drive = of.kind != nullptr && of.kind->file == nullptr; // which answers reads
     has_no_echo_ = asked.has("echo") && !*echoes && !is_known_drive;
-    writes_blocks_ = asked.has("blocks-only");
+    writes_blocks_ = asked.has("blocks-only") || facts.writes_blocks_only;
     if (const char* const how = asked.text("rs485")) {
         if (const std::string why = os::set_rs485(settings_, how); !why.empty()) return complain(usage, why);
     }

@@ -12,6 +12,7 @@
 
 #include "../command_line/arguments.hpp"
 #include "../devices/device.hpp"
+#include "../devices/row_words.hpp"
 #include "../frames/stray_bytes.hpp"
 #include "../os/hear.hpp"
 #include "../os/port.hpp"
@@ -30,7 +31,7 @@ struct any_device {
 /// A node on a line, or the device at the other end of Modbus TCP.
 struct any_node : servobus::node<any_device> {
     using node::node;
-    constexpr bool is_valid() const { return node::is_valid() || address == servobus::modbus::peer_address; }
+    constexpr bool is_valid() const { return address != servobus::modbus::broadcast; }
 };
 
 /// DEVICE[:NODE]
@@ -81,14 +82,14 @@ std::string codes_of(const servobus::entry& row);
 /// Ends the complaint about a value that is none of a row's codes; empty for a row without names.
 std::string what_it_takes(const servobus::entry& row);
 
-/// The content of what was chosen in words: `12.5 A`, `enable (0x0008)`. The high word of a pair is first.
+/// The content of what was chosen in words: `12.5 A`, `enable (0x0008)`. See row_words.hpp for the order of the words.
 std::string value_text(const chosen& what, std::span<const u16> words);
-
-/// The number of a register, as `entry::number` gives it, in its words, the high word of a pair first; and back.
-std::vector<u16> words_of(const servobus::entry& row, std::int64_t number);
-std::int64_t number_of(const servobus::entry& row, std::span<const u16> words);
-/// As `servobus read` prints it.
-std::string number_text(const servobus::entry& row, std::int64_t number);
+/// The same with the scale that another row gives.
+std::string value_text(const chosen& what, std::span<const u16> words, const servobus::row_scale& scale);
+/// The value of a row that has none.
+inline constexpr std::string_view no_value = "no value";
+/// `current=12.34 A`; `current: no value`.
+std::string assigned_text(const chosen& what, std::span<const u16> words, const servobus::row_scale& scale);
 
 /// Why a row with `flag::zero_by_name` takes no 0 here, and what writes it.
 std::string undocumented_zero(const servobus::entry& e);
@@ -105,7 +106,8 @@ std::string why_text(const target& of, servobus::status why, const any_port& por
 
 /// An open port with a client of one node. It stays where it was made. Where the drive can switch the word
 /// order of the words of a pair, it is read from the drive before the first pair, and again after a write to
-/// the switch or a lost answer. Above the session the high word is always first.
+/// the switch or a lost answer. Above the session the high word is always first, and in a row that has the low byte first
+/// the high byte; a part of a register has its bits alone.
 class session {
   public:
     using line_type = servobus::line<any_port, stray_bytes, servobus::echoed>;
@@ -130,10 +132,11 @@ class session {
 
     /// Errors: those of `client::read_words`; `unexpected_value` if the drive's word order is none.
     servobus::status read(const chosen& what, std::span<u16> words);
-    /// Adjacent rows of a table in one request.
+    /// Adjacent rows of a table, in address order, in one request. `words` has those of each row, one after the other.
     servobus::status read(std::span<const servobus::entry* const> rows, std::span<u16> words,
                           servobus::table from = holding);
-    /// `not_sent` or `refused` also if the word order could not be read.
+    /// Reads the register of a part, changes its bits and writes it. `not_sent` or `refused` also if the word order, or
+    /// the register of a part, could not be read.
     servobus::status write(const chosen& what, std::span<const u16> words);
 
     /// Does nothing if the word order is known.
@@ -202,7 +205,9 @@ class session {
     std::vector<std::uint8_t> frame_of(servobus::modbus::function code, u16 first, u16 second) const;
     bool is_stop(const chosen& what, std::span<const u16> words) const;
     void forget();
-    void swap_pair(const servobus::entry& row, std::span<u16> pair) const;
+    /// From the order of the device to that above the session, or back.
+    void reorder(const servobus::entry& row, std::span<const u16> words, std::span<u16> out) const;
+    servobus::status complete_part(const chosen& what, std::span<u16> word);
 
     const servobus::profile* facts_ = nullptr;
     const device* kind_ = nullptr; ///< null: raw

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include <servobus/client/request_machine.hpp>
+#include <servobus/explain/direction.hpp>
 #include <servobus/modbus/functions.hpp>
 
 #include "../os/interrupts.hpp"
@@ -79,9 +80,9 @@ servobus::status session::read_repeated(u16 address, std::span<u16> words, servo
 }
 
 servobus::status session::probe(const servobus::entry& row, servobus::table from) {
-    std::array<u16, 2> words{};
+    std::vector<u16> words(row.words());
     const std::uint8_t retries = std::exchange(retries_, std::uint8_t{0});
-    const servobus::status why = read_raw(row.address, std::span<u16>{words}.first(row.words()), from);
+    const servobus::status why = read_raw(row.address, words, from);
     retries_ = retries;
     return why;
 }
@@ -138,11 +139,12 @@ servobus::status session::write_coils(u16 address, std::span<const u16> coils) {
     namespace modbus = servobus::modbus;
     std::array<std::uint8_t, modbus::max_pdu> request{};
     std::size_t size = 0;
-    if (coils.size() == 1 && has_no_echo_ && !writes_blocks_)
-        return write_single(servobus::modbus::function::write_single_coil, address,
-                            coils[0] != 0 ? 0xFF00 : 0);
-    if (coils.size() == 1 && !writes_blocks_) {
+    const bool is_word = coils.size() == 1 && coils[0] > 1; // that no other function can send
+    if (coils.size() == 1 && (is_word || !writes_blocks_)) {
+        const u16 word = is_word ? coils[0] : coils[0] != 0 ? modbus::coil_on : modbus::coil_off;
+        if (has_no_echo_) return write_single(modbus::function::write_single_coil, address, word);
         size = modbus::put_write_coil_request(request, address, coils[0] != 0);
+        servobus::store_word(request, 3, word);
         // The response repeats the request, so an echo is ruled out first.
         u16 before = 0;
         if (!line_->is_echo_ruled_out()) {
@@ -161,7 +163,7 @@ servobus::status session::write_coils(u16 address, std::span<const u16> coils) {
     const servobus::status why = client_->transact(pdu, response);
     note_request(why);
     if (!why) return why;
-    return modbus::check_response(pdu, response);
+    return servobus::check_seen_response(pdu, response);
 }
 
 bool session::is_stop(const chosen& what, std::span<const u16> words) const {
@@ -191,10 +193,10 @@ servobus::status session::ask_wear(bool& wears) {
     return {};
 }
 
-void session::swap_pair(const servobus::entry& row, std::span<u16> pair) const {
+void session::reorder(const servobus::entry& row, std::span<const u16> words, std::span<u16> out) const {
     const bool is_own = row.own_word_order != servobus::word_order::unknown;
-    const servobus::word_order order = is_own ? row.own_word_order : word_order_;
-    if (order == servobus::word_order::low_first) std::swap(pair[0], pair[1]);
+    const servobus::words_in_order ordered{row, words, 0, is_own ? row.own_word_order : word_order_};
+    for (std::size_t i = 0; i < row.words(); ++i) out[i] = ordered[i];
 }
 
 servobus::status session::read(const chosen& what, std::span<u16> words) {
@@ -204,14 +206,16 @@ servobus::status session::read(const chosen& what, std::span<u16> words) {
 
 servobus::status session::read(std::span<const servobus::entry* const> rows, std::span<u16> words,
                                servobus::table from) {
-    const bool has_pair = std::ranges::any_of(rows, [](const auto* row) { return row->words() == 2; });
-    const bool needs_order = has_pair && facts_->word_order_register != 0;
+    const bool has_order = std::ranges::any_of(rows, [](const auto* row) { return has_word_order(*row); });
+    const bool needs_order = has_order && facts_->word_order_register != 0;
+    const std::size_t first = rows.front()->address;
+    std::vector<u16> block(rows.back()->address + rows.back()->words() - first);
     for (bool is_again = false;; is_again = true) {
         if (needs_order) {
             const servobus::status why = learn_word_order();
             if (why.error() != servobus::errc::ok) return why;
         }
-        const servobus::status why = read_raw(rows[0]->address, words, from);
+        const servobus::status why = read_raw(rows[0]->address, block, from);
         if (why.error() != servobus::errc::ok) return why;
         // The port was lost meanwhile, and the word order with it.
         const bool is_forgotten = needs_order && word_order_ == servobus::word_order::unknown;
@@ -219,7 +223,8 @@ servobus::status session::read(std::span<const servobus::entry* const> rows, std
         if (is_again) return {servobus::errc::needs_word_order};
     }
     for (const servobus::entry* row : rows) {
-        if (row->words() == 2) swap_pair(*row, words.first(2));
+        reorder(*row, std::span{block}.subspan(row->address - first, row->words()), words);
+        if (row->is_part()) words[0] = static_cast<u16>(words[0] & row->form->mask());
         words = words.subspan(row->words());
     }
     return {};
@@ -234,10 +239,17 @@ servobus::status session::write(const chosen& what, std::span<const u16> words) 
 
 servobus::status session::write_now(const chosen& what, std::span<const u16> words) {
     std::vector<u16> sent{words.begin(), words.end()};
-    if (what.row != nullptr && what.row->words() == 2) {
+    if (what.row != nullptr && has_word_order(*what.row)) {
         const servobus::status why = learn_word_order();
         if (why.error() != servobus::errc::ok) return why.with_sent(false);
-        swap_pair(*what.row, sent);
+    }
+    if (what.row != nullptr && what.row->is_part()) {
+        const servobus::status why = complete_part(what, sent);
+        if (why.error() != servobus::errc::ok) return why.with_sent(false);
+    }
+    if (what.row != nullptr) {
+        const std::vector<u16> usual = sent;
+        reorder(*what.row, usual, sent);
     }
     // Whose answer may be the last at this address is asked first, so that no echo passes for it.
     if (what.row != nullptr && has(what.row->flags, servobus::flag::communication) &&
@@ -258,6 +270,18 @@ servobus::status session::write_now(const chosen& what, std::span<const u16> wor
         covers(facts_->eeprom_switch))
         forget();
     return w;
+}
+
+// Adds the register's other bits.
+servobus::status session::complete_part(const chosen& what, std::span<u16> word) {
+    u16 held = 0;
+    const servobus::status why = read_raw(what.address, {&held, 1}, what.form.table);
+    if (why.error() != servobus::errc::ok) return why;
+    u16 usual = 0;
+    reorder(*what.row, {&held, 1}, {&usual, 1});
+    const u16 mask = what.row->form->mask();
+    word[0] = static_cast<u16>((usual & ~mask) | (word[0] & mask));
+    return why;
 }
 
 std::vector<std::uint8_t> session::read_request(const servobus::entry& row, servobus::table from) const {

@@ -16,10 +16,11 @@ namespace tool {
 
 /// What came of one register.
 struct reading {
-    std::vector<u16> words; ///< the high word of a pair is first
+    std::vector<u16> words; ///< see row_words.hpp for their order
     servobus::status status{};
-    std::string why{};     ///< in words; empty if it was read
-    bool was_asked = true; ///< false: the port was lost before, and `why` says so
+    std::string why{};           ///< in words; empty if it was read
+    bool was_asked = true;       ///< false: the port was lost before, and `why` says so
+    servobus::row_scale scale{}; ///< that another row gives
 
     bool is_read() const { return status.error() == servobus::errc::ok; }
 };
@@ -32,7 +33,8 @@ struct snapshot {
     bool has_port() const;
 };
 
-/// Reads registers one by one. None if a signal ended it in between; see os/interrupts.hpp.
+/// Reads registers in the fewest requests; see read_groups.hpp. None if a signal ended it in between; see
+/// os/interrupts.hpp.
 std::optional<snapshot> take_snapshot(session& on, const target& of, std::span<const chosen> wanted);
 
 } // namespace tool

@@ -8,6 +8,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include <servobus/core/bytes.hpp>
@@ -21,7 +22,8 @@ namespace tool {
 
 /// Executes functions 01 to 06, 0Fh and 10h on the rows of a file, with the checks of the standard in its order: the
 /// function (exception 1), quantity and byte count (3), the addresses (2), the values (3). An address without a row,
-/// half a pair and a row without that access are wrong addresses; a value outside `min` and `max` is a wrong value.
+/// half a pair and a row without that access are wrong addresses; a value outside `min` and `max` is a wrong value. A coil
+/// also takes the words of function 05 that have names, and keeps its state then.
 class file_model {
   public:
     file_model(const device& of, std::uint8_t node, std::uint32_t baud);
@@ -37,7 +39,7 @@ class file_model {
   private:
     struct row {
         const servobus::entry* what;
-        u32 bits;
+        std::vector<u16> words; // in the order of row_words.hpp; of a bit 0 or 1
     };
     struct found_rows {
         std::size_t first;
@@ -49,7 +51,10 @@ class file_model {
     std::uint8_t write(servobus::bytes pdu, servobus::table of);
     std::uint8_t find(servobus::table of, std::size_t address, std::size_t quantity,
                       servobus::access not_this, found_rows& found) const;
-    bool is_high_first(const servobus::entry& e) const;
+    bool takes_function(servobus::bytes pdu, servobus::table of) const;
+    bool is_named_word(std::size_t address, u16 word) const;
+    servobus::word_order order_of(const servobus::entry& e) const;
+    std::vector<u16> reordered(const servobus::entry& e, std::span<const u16> words) const;
 
     const std::vector<row>& rows_of(servobus::table t) const { return rows_[static_cast<std::size_t>(t)]; }
 
