@@ -11,6 +11,7 @@
 #include <string_view>
 
 #include "../examples/servobus/device_file/device_file.cpp"
+#include "../examples/servobus/device_file/device_form.cpp"
 #include "../examples/servobus/device_file/device_names.cpp"
 #include "../examples/servobus/device_file/device_profile.cpp"
 #include "../examples/servobus/device_file/device_row.cpp"
@@ -32,8 +33,11 @@ std::string map_of(const tool::device_file& file) {
     std::string text = tool::profile_lines(*file.tables()[0].device) + tool::map_header(true) + '\n';
     for (const servobus::table t : tool::all_tables) {
         const servobus::catalogue& rows = file.tables()[static_cast<std::size_t>(t)];
-        for (const servobus::entry& e : rows.entries)
-            text += tool::map_row(e, *rows.device, rows.sentence(e.address), t) + '\n';
+        for (const servobus::entry& e : rows.entries) {
+            const auto in = e.form != nullptr ? e.form->scale_table : t;
+            const char* const by = tool::scaling_name(e, file.tables()[static_cast<std::size_t>(in)].entries);
+            text += tool::map_row(e, *rows.device, rows.sentence(e), t, by) + '\n';
+        }
     }
     return text;
 }
@@ -46,7 +50,10 @@ void judge_row(const servobus::entry& e) {
     require(e.unit_of_count.numerator != 0 && e.unit_of_count.denominator != 0,
             "a scale is no division by 0");
     for (const servobus::named_value& v : e.values)
-        require((v.value & ~v.mask) == 0 && v.name[0] != '\0', "a name is of bits inside its mask");
+        require((v.is_whole() || (v.value & ~v.mask) == 0) && v.name[0] != '\0',
+                "a name is of bits inside its mask");
+    if (e.form == nullptr || e.form->scaled == servobus::scaling::none) return;
+    require(!is_text(e) && !is_float(e), "a whole number is scaled");
 }
 
 } // namespace

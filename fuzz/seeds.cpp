@@ -242,6 +242,45 @@ void device_files(corpus& to) {
         ",,,,,,,,,,,,\n0x10,pump,,bool,rw,,,,,0,1,1,,,,motion,0=idle;1=runs,,coil\n0x10,door,,,,,,,,,,,,,,,,,"
         "discrete\n"
         "0x10,level,,i32,,,,,,,,,25,mm,,,,,input\n");
+    unsigned number_of_values = 0;
+    const std::string columns_of_values = "address,name,words,type,access,scale,unit,names,word_order,table,"
+                                          "bits,offset,none,factor,byte_order\n";
+    add("file_values",
+        "# byte_order = low\n# writes_blocks_only = yes\n# highest_address = 255\n" + columns_of_values +
+            "0,voltage,,f32,ro,0.001,V,,low,input,,,0x7FC00000,,high\n0x10,energy,4,u64,rw,,Wh,,,,,-1,"
+            "0xFFFFFFFFFFFFFFFF;0x8000000000000000,,\n0x14,total,,i64,ro,,,,,,,,-1,,\n0x18,name,3,text,rw,,,,"
+            ",,,,,,\n"
+            "0x1B,hour,,bcd16,rw,,h,0x12=noon,,,high,,,,\n0x1B,minute,,bcd16,rw,,min,,,,0..7,,,,\n"
+            "0x1C,date,,bcd32,ro,,,,,,,,,,\n0x1E,current,,sm16,ro,0.1,A,0x8000=none,,,,-100,,ratio,\n"
+            "0x1F,way,,sm32,ro,,mm,,,,,,,0x22,low\n0x21,mode,,i16,rw,,,-1=off;b0=on,,,4,,,,\n"
+            "0x22,ratio,,u16,rw,0.1,times,,,,,,,,\n0x23,power,,i16,ro,,W,,,,,,0x8000;-1,10^power_sf,\n"
+            "0x24,power_sf,,i16,ro,,,,,,,,-32768,,\n0x25,gas,,u32,ro,,ppm,0x80000000=none;b31=hot,,,,,,,\n"
+            "0x27,level,,f64,ro,,lux,,high,,,,,,\n0,relay,,bool,rw,,,0x5500=toggle;1=on,,coil,,,,,\n");
+    for (const char* row : {"1,a,,text,,,,,,,,,,,",
+                            "1,a,200,text,,,,,,,,,,,",
+                            "1,a,2,text,,,V,,,,,,,,",
+                            "1,a,,f32,,,,0=x,,,,,,,",
+                            "1,a,,u128,,,,,,,,,,,",
+                            "1,a,,u64,,,,0=x,,,,,,,",
+                            "1,a,,u32,,,,,,,0..3,,,,",
+                            "1,a,,u16,,,,,,,9..3,,,,",
+                            "1,a,,bcd16,,,,,,,0..2,,,,",
+                            "1,a,,f32,,,,,,,,1,,,",
+                            "1,a,,u16,,,,,,,,1e9,,,",
+                            "1,a,,u16,,,,,,,,,0x10000,,",
+                            "1,a,,f32,,,,,,,,,nan,,",
+                            "1,a,,f32,,,,,,,,,,b,",
+                            "1,a,,u16,,,,,,,,,,a,",
+                            "1,a,,u16,,,,,,,,,,10^,",
+                            "1,a,,u16,,,,,,,,,,b,\n2,b,,u16,,,,,,,,,,a,",
+                            "1,a,,u16,,,,,,,,,,b,\n2,b,,f32,,,,,,,,,,,",
+                            "1,a,,u16,,,,,,,,,,,big",
+                            "1,a,,u16,,,,,,,0..3,,,,\n1,b,,u16,,,,,,,3,,,,",
+                            "1,a,,,,,\"x,y\",,,,,,,,",
+                            "1,a,,bool,,,,0xFF00=x,,coil,,,,,",
+                            "1,a,,u32,,,,0xFFFF:1=x,,,,,,,",
+                            "1,a,1,text,,,,,low,,,,,,"})
+        add(("values_" + std::to_string(number_of_values++)).c_str(), columns_of_values + row + '\n');
     add("file_wrong", "address;name\n0x10;a\n");
     add("file_quote", "address,name,description\n1,a,\"b\n");
     add("file_twice", "address,name,type\n1,a,u32\n2,b,\n");

@@ -67,8 +67,9 @@ std::string name_part(const entry& e, const servobus::named_value& v, servobus::
     const unsigned mask = v.mask;
     const bool is_one_bit = mask != 0 && (mask & (mask - 1)) == 0;
     std::string value;
-    if (v.is_whole()) { // a coil's value above 1 is a word of function 05
-        value = is_of_bits(in) && v.value > 1 ? hex(v.value) : std::to_string(code_number(e, v.value));
+    if (v.is_whole()) { // the words of function 05, and what is no number or has two contents, by their bits
+        const bool is_number = !is_bcd(e) && !is_sign_and_magnitude(e) && (!is_of_bits(in) || v.value <= 1);
+        value = is_number ? std::to_string(code_number(e, v.value)) : hex(v.value);
     } else if (is_one_bit && v.value == mask) {
         unsigned bit = 0;
         while ((mask >> bit & 1u) == 0) ++bit;

@@ -82,9 +82,10 @@ bool takes_words(const entry& row, std::span<const u16> words) {
     return is_text(row) || takes(row, value_of_words(row, words));
 }
 
-std::string words_text(const entry& row, std::span<const u16> words, const servobus::row_scale& scale) {
+std::string words_text(const entry& row, std::span<const u16> words, const servobus::row_scale& scale,
+                       const char* scaled_by) {
     return text_by([&](servobus::text_writer& out) {
-        put_row(out, row, words, servobus::value_format::tokens, scale, "its scale");
+        put_row(out, row, words, servobus::value_format::tokens, scale, scaled_by);
         if (has(row.flags, servobus::flag::scaled_elsewhere)) out << servobus::factory_scale_note;
     });
 }

@@ -31,8 +31,9 @@ servobus::row_value value_of_words(const servobus::entry& row, std::span<const u
 bool takes_words(const servobus::entry& row, std::span<const u16> words);
 
 /// The words as `servobus read` prints them: `12.5 A`.
+/// `scaled_by`: the name of the row that scales it, for a scale that is not known.
 std::string words_text(const servobus::entry& row, std::span<const u16> words,
-                       const servobus::row_scale& scale);
+                       const servobus::row_scale& scale, const char* scaled_by = "its scale");
 std::string words_text(const servobus::entry& row, std::span<const u16> words);
 std::string number_text(const servobus::entry& row, std::int64_t number);
 

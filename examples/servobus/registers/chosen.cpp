@@ -44,6 +44,12 @@ chosen choose(const entry& e, servobus::table in) {
     return {std::string{e.name}, e.address, static_cast<u16>(e.words()), &e, form};
 }
 
+static chosen choose(const device& of, const entry& e, servobus::table in) {
+    chosen what = choose(e, in);
+    what.scaled_by = of.scaling_row(e);
+    return what;
+}
+
 // `input:0x30` is in the table of input registers. Removes the table from `text`.
 static servobus::table take_table(std::string_view& text) {
     for (const servobus::table t : all_tables) {
@@ -59,7 +65,7 @@ std::optional<chosen> parse_register(const target& of, std::string_view text) {
     if (of.kind == nullptr) return parse_raw_register(text);
     for (const servobus::table t : all_tables) {
         for (const entry& e : of.kind->rows_of(t)) {
-            if (text == std::string_view{e.name}) return choose(e, t);
+            if (text == std::string_view{e.name}) return choose(*of.kind, e, t);
         }
     }
     std::string_view place = text;
@@ -70,10 +76,17 @@ std::optional<chosen> parse_register(const target& of, std::string_view text) {
     if (address && *address >= 0 && *address <= 0xFFFF) {
         const servobus::catalogue rows{of.kind->map->device, of.kind->rows_of(in)};
         const entry* e = rows.find(static_cast<u16>(*address));
-        if (e != nullptr && e->address == *address) return choose(*e, in);
+        if (e != nullptr && e->address == *address && !e->is_part()) return choose(*of.kind, *e, in);
+        if (e != nullptr && e->address == *address) {
+            complain(usage, std::string{text} + " is a register of several rows: name one, such as " +
+                                std::string{e->name});
+            return std::nullopt;
+        }
         if (e != nullptr) {
-            complain(usage, std::string{text} + " is the second word of " + std::string{e->name} + " (" +
-                                hex_word(e->address) + "), which is read and written whole");
+            complain(usage, std::string{text} +
+                                (e->words() == 2 ? " is the second word of " : " is inside ") +
+                                std::string{e->name} + " (" + hex_word(e->address) +
+                                "), which is read and written whole");
             return std::nullopt;
         }
     }
@@ -113,7 +126,9 @@ std::string value_text(const chosen& what, std::span<const u16> words, const ser
     const bool is_plain_bit =
         what.form.is_bit() && what.row != nullptr && !is_named_code(*what.row, words[0]);
     if (what.row == nullptr || is_plain_bit) return raw_text(what.form, words);
-    return words_text(*what.row, words, scale);
+    return what.scaled_by == nullptr
+               ? words_text(*what.row, words, scale)
+               : words_text(*what.row, words, scale, static_cast<const char*>(what.scaled_by->name));
 }
 
 std::string assigned_text(const chosen& what, std::span<const u16> words, const servobus::row_scale& scale) {

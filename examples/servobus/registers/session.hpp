@@ -52,9 +52,10 @@ struct target {
 struct chosen {
     std::string name;
     u16 address = 0;
-    u16 words = 1;                        ///< or bits
-    const servobus::entry* row = nullptr; ///< null: raw
-    raw_form form{};                      ///< of raw: what it is; of a row: its table
+    u16 words = 1;                              ///< or bits
+    const servobus::entry* row = nullptr;       ///< null: raw
+    raw_form form{};                            ///< of raw: what it is; of a row: its table
+    const servobus::entry* scaled_by = nullptr; ///< the row that scales it
 };
 
 /// These complain by themselves.

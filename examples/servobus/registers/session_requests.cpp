@@ -252,7 +252,7 @@ servobus::status session::write_now(const chosen& what, std::span<const u16> wor
         reorder(*what.row, usual, sent);
     }
     // Whose answer may be the last at this address is asked first, so that no echo passes for it.
-    if (what.row != nullptr && has(what.row->flags, servobus::flag::communication) &&
+    if (!has_no_echo_ && what.row != nullptr && has(what.row->flags, servobus::flag::communication) &&
         !line_->is_echo_ruled_out()) {
         u16 word = 0;
         const servobus::status why = read_raw(what.address, {&word, 1}, what.form.table);

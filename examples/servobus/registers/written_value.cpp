@@ -142,7 +142,7 @@ std::string limits_text(const entry& e) {
     const bool has_range = is_plain(e) || e.limits.is_stated;
     return has_range
                ? "outside " + printed(e, e.limits.low) + " .. " + printed(e, e.limits.high) + what_it_takes(e)
-               : std::string{"beyond "} + text(e.kind) + what_it_takes(e);
+               : std::string{"beyond "} + (e.is_part() ? "its bits" : text(e.kind)) + what_it_takes(e);
 }
 
 // Each of these sets `words`, or returns the reason.

@@ -57,7 +57,7 @@ constexpr void put_names(text_writer& out, const entry& e, u32 bits, value_forma
         if (!v.applies(bits)) continue;
         if (!is_first) out << (how == value_format::tokens ? "+" : " + ");
         put_name(out, v.name, how);
-        named |= v.mask;
+        named |= v.is_whole() ? v.value : v.mask;
         is_first = false;
     }
     if (is_first) return e.is_quantity() ? put_quantity(out, e, e.number(bits)) : put_bits(out, e, bits);

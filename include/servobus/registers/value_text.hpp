@@ -126,16 +126,15 @@ constexpr bool has_no_value(const row_value& v, const row_scale& scale) {
     return v.is == row_value::state::no_value || scale.is == row_scale::state::no_value;
 }
 
-/// Writes the text that the words of a row hold, in quotes; characters that are not printable as `\x0A`. It ends before
-/// the zeros, and if `keeps_blanks` is false the blanks, at its end.
+/// Writes the text that the words of a row hold, in quotes; characters that are not printable as `\x0A`. Zeros at
+/// its end are no text, nor are blanks unless `keeps_blanks` is true.
 template <class Words>
 constexpr void put_text(text_writer& out, const entry& e, const Words& words, bool keeps_blanks = false) {
     const auto byte = [&](std::size_t i) {
         return static_cast<std::uint8_t>(i % 2 == 0 ? words[i / 2] >> 8 : words[i / 2] & 0xFFu);
     };
     std::size_t size = 2 * e.words();
-    while (size != 0 && byte(size - 1) == 0) --size;
-    while (!keeps_blanks && size != 0 && byte(size - 1) == ' ') --size;
+    while (size != 0 && (byte(size - 1) == 0 || (!keeps_blanks && byte(size - 1) == ' '))) --size;
     out << '"';
     for (std::size_t i = 0; i < size; ++i) detail::put_character(out, byte(i));
     out << '"';

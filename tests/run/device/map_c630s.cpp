@@ -582,7 +582,7 @@ TEST_CASE("C630S: the alarms are the 58 of chapter 8, in its order, with its cla
     const entry& recorded = *c630s::catalogue.find("P0B-34"_p);
     REQUIRE(recorded.values.size() == 59);
     for (const named_value& v : recorded.values) {
-        const c630s::alarm* a = c630s::find_alarm(v.value);
+        const c630s::alarm* a = c630s::find_alarm(static_cast<u16>(v.value));
         CHECK(std::string{v.name} == (a != nullptr ? a->name : "none"));
     }
 }
