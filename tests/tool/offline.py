@@ -15,7 +15,7 @@ from programs import Tool, play_tool, scene
 ROOT = Path(__file__).resolve().parents[2]
 DEVICES = "zlac8015d", "yako-closed-loop", "yako-open-loop", "c630s"
 OLD = "address,name,words,type,access,saved,when,effective,modes,min,max,default,scale,unit"
-NEW = "flags,names,word_order,table"
+NEW = "flags,names,word_order,table,bits,offset,none,factor,byte_order"
 HEADER = f"{OLD},{NEW}"
 READS = "node 1: read left_actual_speed (0x20AB), right_actual_speed (0x20AC)"
 SPEEDS = "node 1: response, left_actual_speed = 10.0 r/min, right_actual_speed = 10.0 r/min"
@@ -47,18 +47,18 @@ def map_of_zlac8015d(tool: Tool):
     rows = lines[1:]
     tool.check("map: header", lines[0] == HEADER)
     tool.check("map: 116 registers", len(rows) == 116)
-    tool.check("map: 18 columns in every row", all(line.count(",") == 17 for line in lines))
+    tool.check("map: 23 columns in every row", all(line.count(",") == 22 for line in lines))
     tool.check("map: in address order", is_sorted(rows))
     for name, pattern in [
-        ("map: a scaled row", r"0x2034,left_max_current,1,u16,rw,yes,,,,0,300,[0-9]*,0\.1,A,,,,holding"),
-        ("map: a pair", r"0x208A,left_target_position,2,i32,rw,no,,,,-2147483647,2147483647,0,1,pulse,motion,,,holding"),
-        ("map: a row without range and default", r"0x20A0,software_version,1,u16,ro,no,,,,,,,1,,,,,holding"),
-        ("map: codes", r"0x2007,shaft_at_power_on,.*,,,0=unlocked;1=locked,,holding"),
-        ("map: flags", r"0x2000,host_timeout,.*,ms,zero_by_name,,,holding"),
-        ("map: bits", r"0x2003,input_state,.*,,,b0=x0;b1=x1,,holding"),
+        ("map: a scaled row", r"0x2034,left_max_current,1,u16,rw,yes,,,,0,300,[0-9]*,0\.1,A,,,,holding,,,,,"),
+        ("map: a pair", r"0x208A,left_target_position,2,i32,rw,no,,,,-2147483647,2147483647,0,1,pulse,motion,,,holding,,,,,"),
+        ("map: a row without range and default", r"0x20A0,software_version,1,u16,ro,no,,,,,,,1,,,,,holding,,,,,"),
+        ("map: codes", r"0x2007,shaft_at_power_on,.*,,,0=unlocked;1=locked,,holding,,,,,"),
+        ("map: flags", r"0x2000,host_timeout,.*,ms,zero_by_name,,,holding,,,,,"),
+        ("map: bits", r"0x2003,input_state,.*,,,b0=x0;b1=x1,,holding,,,,,"),
         ("map: fields", r"0x20A2,status_word,.*,0xC000:0x0000=left released;0xC000:0x4000=left locked;.*;b8=left running;"
-         r".*;b0=right running,,holding"),
-        ("map: halves", r"0x20A4,motor_temperature,.*,degC,,halves,,holding"),
+         r".*;b0=right running,,holding,,,,,"),
+        ("map: halves", r"0x20A4,motor_temperature,.*,degC,,halves,,holding,,,,,"),
     ]:
         tool.check(name, any(re.fullmatch(pattern, row) for row in rows), "")
     tool.fails("map takes one device", "map", 2, "map takes one DEVICE, and one REG at most")
@@ -73,8 +73,8 @@ def is_sorted(rows: list[str]) -> bool:
 
 
 @scene(
-    ("yako-closed-loop", 204, "0x0019,pair_word_order,1,u16,rw,no,,,,0,1,0,1,,communication,0=high first;1=low first,,holding",
-     "0x0024,target_position,2,i32,rw,no,,,,-2147483648,2147483647,5000,1,pulse,motion,,selectable,holding",
+    ("yako-closed-loop", 204, "0x0019,pair_word_order,1,u16,rw,no,,,,0,1,0,1,,communication,0=high first;1=low first,,holding,,,,,",
+     "0x0024,target_position,2,i32,rw,no,,,,-2147483648,2147483647,5000,1,pulse,motion,,selectable,holding,,,,,",
      "0x0031,homing_method,1,i16,rw,no,,,,-4,35,24,1,,,",
      "0x0062,position_segment_1_speed,1,u16,rw,yes,,,,0,3000,120,1,r/min,scaled_elsewhere,,"),
     ("yako-open-loop", 208, "0x0031,homing_method,1,u16,rw,no,,,,17,35,24,1,,,"),
@@ -86,7 +86,7 @@ def is_sorted(rows: list[str]) -> bool:
 def map_is(tool: Tool, device: str, count: int, *expected: str):
     lines = tool.run(f"map {device}").lines
     tool.check(f"map {device}: {count} registers", len(lines) == count + 1)
-    tool.check(f"map {device}: 18 columns", all(line.count(",") == 17 for line in lines))
+    tool.check(f"map {device}: 23 columns", all(line.count(",") == 22 for line in lines))
     tool.check(f"map {device}: in address order", is_sorted(lines[1:]))
     for row in expected:
         tool.check(f"map {device}: {row}", any(line.startswith(row) for line in lines), "")

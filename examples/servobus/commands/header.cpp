@@ -45,6 +45,9 @@ std::string hex(std::uint32_t bits) {
     return text;
 }
 
+// The library needs a header for rows that are more than integers of one or two registers.
+bool has_type_of_values(const entry& e) { return cpp::has_form(e) || (cpp::has_codes(e) && e.words() == 2); }
+
 class header_text {
   public:
     explicit header_text(const device& of)
@@ -84,7 +87,7 @@ class header_text {
                "#pragma once\n\n#include <cstdint>\n\n#include <servobus/registers/catalogue.hpp>\n" +
                (has_unit_of_meters() ? "#include <servobus/registers/meter_units.hpp>\n" : "") +
                "#include <servobus/registers/tables.hpp>\n" +
-               (any_row(cpp::has_form) ? "#include <servobus/registers/value_forms.hpp>\n" : "") +
+               (any_row(has_type_of_values) ? "#include <servobus/registers/value_forms.hpp>\n" : "") +
                "\nnamespace " + space_ + " {\n";
     }
 
@@ -158,6 +161,15 @@ class header_text {
         return array;
     }
 
+    // The symbol of a unit of the device's own is in an object beside the entry.
+    std::string with_symbol(const entry& e, const std::string& listed) {
+        if (e.form == nullptr || e.form->symbol == nullptr) return listed;
+        const std::string form = row_name(e) + "_form";
+        out_ += "inline constexpr servobus::value_form " + form + " = servobus::form_with_symbol(" + listed +
+                ", " + cpp::literal(e.form->symbol) + ");\n";
+        return "servobus::with_form(" + listed + ", " + form + ")";
+    }
+
     void put_entries(table t) {
         const auto rows = of_->rows_of(t);
         if (rows.empty()) return;
@@ -166,7 +178,7 @@ class header_text {
         bool has_sentences = false;
         for (const entry& e : rows) {
             const std::string row = "::" + space_ + "::" + row_name(e);
-            lines += "    " + cpp::row_entry(e, t, row, names_of_row(e)) + ",\n";
+            lines += "    " + with_symbol(e, cpp::row_entry(e, t, row, names_of_row(e))) + ",\n";
             const std::string_view sentence = of_->sentence(e, t);
             has_sentences = has_sentences || !sentence.empty();
             descriptions += "    {" + hex_word(e.address) + ", " + cpp::literal(sentence) + "},\n";

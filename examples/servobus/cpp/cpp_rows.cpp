@@ -186,13 +186,9 @@ std::string row(const entry& e, table in, const std::string& name, const std::st
 
 std::string row_entry(const entry& e, table in, const std::string& row, const std::string& names) {
     constexpr const char* namings[] = {"number", "names", "halves"};
-    const char* const symbol = e.form != nullptr ? e.form->symbol : nullptr;
-    const bool is_number = e.names == servobus::naming::number && names.empty() && symbol == nullptr;
+    const bool is_number = e.names == servobus::naming::number && names.empty();
     const std::string naming = std::string{", servobus::naming::"} + namings[static_cast<unsigned>(e.names)] +
-                               (!names.empty()      ? ", " + names
-                                : symbol != nullptr ? ", {}"
-                                                    : "") +
-                               (symbol != nullptr ? ", " + literal(symbol) : "");
+                               (names.empty() ? "" : ", " + names);
     const std::string named = is_number ? "" : naming;
     const std::string name = literal(static_cast<const char*>(e.name));
     if (!is_of_bits(in)) return "servobus::list(" + name + ", " + row + named + ')';
