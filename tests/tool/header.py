@@ -5,6 +5,7 @@ another one uses the enumerations of a file with the simulated device of this fi
 
 CXX is the compiler, g++ if it is not set. One program has all headers, since each takes the compiler seconds.
 """
+import csv
 import os
 import subprocess
 import sys
@@ -131,6 +132,61 @@ int main() {
     std::puts("done");
 }
 """
+VALUES = """# name = values
+# writes_blocks_only = yes
+# highest_address = 247
+address,name,words,type,access,scale,unit,min,max,default,flags,names,word_order,table,bits,offset,none,factor,byte_order
+0x0000,relay,,bool,rw,,,,,,,0x5500=toggle,,coil,,,,,
+0x0010,setpoint,,f32,rw,,degC,-10,50,21,,,,,,,,,
+0x0012,mass,,f64,ro,1/1000,kg,,,,,,,,,,,,
+0x0020,energy,,u64,ro,,Wh,,,,,,,,,,0xFFFFFFFFFFFFFFFF;0x8000000000000000,,
+0x0024,balance,,i64,rw,,,,,,,,low,,,,-1,,
+0x0030,serial,5,text,rw,,,,,,,,,,,,,,
+0x0035,model,4,text,ro,,,,,,,,,,,,,,low
+0x0040,mode,,u16,rw,,,,,,,0=auto;1=manual,,,0..3,,,,
+0x0040,level,,u16,ro,,%,,,,,,,,4..15,,,,
+0x0041,inside,,i16,ro,,degC,,,,,,,,high,,,,
+0x0041,outside,,i16,ro,,degC,,,,,,,,low,,,,
+0x0042,hour,,bcd16,rw,,h,,,,,,,,,,,,
+0x0043,ct1,,sm32,rw,0.001,A,,,,,,,,,,,,
+0x0045,battery,,u16,ro,0.1,degC,,,,,,,,,-1000,0xFFFF,,
+0x0046,ac_power,,i32,ro,,W,,,,,,,,,,0x80000000,,
+0x0048,daily,,u32,ro,0.1,kWh,,,,,,low,,,,,,
+0x0050,power,,i16,ro,,W,,,,,,,,,,0x8000,10^power_exponent,
+0x0051,power_exponent,,i16,ro,,,,,,,,,,,,,,
+0x0052,current,,u16,ro,0.001,A,,,,,,,,,,,ct_ratio,
+0x0053,ct_ratio,,u16,rw,,times,1,1000,1,,,,,,,,,
+0x0054,swapped,,f32,ro,,V,,,,,,low,,,,,,low
+0x0056,co2,,u16,ro,0.1,ppm,0,5000,415,,,,,,,,,
+0x0057,code,,u32,ro,,,,,,,0=none;0x80000000=broken,,,,,,,
+0x0059,date,,bcd32,ro,,,,,,,,,,,,,,
+0x005B,trim,,sm16,rw,,mm,-100,100,0,,,,,,,,,
+0x0000,voltage,,f32,ro,,V,,,,,,,input,,,,,
+0x0002,scaled,,u16,ro,,W,,,,,,,input,,,,10^exponent,
+0x0003,exponent,,i16,ro,,,,,,,,,input,,,,,
+"""
+VALUES_IN_CPP = [
+    "#include <servobus/registers/value_forms.hpp>\n",
+    ".writes_blocks_only = true",
+    "rw<servobus::f32> setpoint{0x0010, {-10, 50}, servobus::units::degree_celsius, 21}",
+    "rw<servobus::with<servobus::i64, servobus::or_none<-1>, servobus::low_word_first>> balance{",
+    "servobus::or_none<-1, -9223372036854775807 - 1>",
+    "rw<servobus::text_of<5>> serial{",
+    "ro<servobus::with<servobus::text_of<4>, servobus::low_byte_first>> model{",
+    "rw<servobus::with<servobus::u16, servobus::bits<0, 3>>> mode{",
+    "ro<servobus::with<servobus::i16, servobus::high_byte>> inside{",
+    "rw<servobus::bcd<1>> hour{",
+    "rw<servobus::sign_magnitude<2>> ct1{",
+    "ro<servobus::with<servobus::u16, servobus::offset<-1000>, servobus::or_none<65535>>> battery{",
+    "ro<servobus::with<servobus::i16, servobus::or_none<-32768>, servobus::ten_to<power_exponent>>> power{",
+    "ro<servobus::with<servobus::u16, servobus::times_row<ct_ratio>>> current{",
+    "ro<servobus::with<servobus::f32, servobus::low_word_first, servobus::low_byte_first>> swapped{",
+    "servobus::units::device_unit / 10",
+    'servobus::form_with_symbol(servobus::list("co2", ::values::co2), "ppm")',
+    "enum class code_code : std::uint32_t {\n    none = 0,\n    broken = 2147483648,\n};",
+    "input<servobus::with<servobus::u16, servobus::ten_to<exponent>>> scaled{{",
+    "    {0xFFFF, 0x5500, \"toggle\"},",
+]
 # A catalogue in a header for each table that has rows.
 CATALOGUES = {"coil": "coil_catalogue", "discrete": "discrete_input_catalogue", "holding": "catalogue",
               "input": "input_register_catalogue"}
@@ -141,9 +197,13 @@ PRINTS = """
 
 #include <examples/servobus/device_file/map_text.hpp>
 
-static void print(const servobus::catalogue& of, servobus::table in) {
-    for (const servobus::entry& e : of.entries)
-        std::puts(tool::map_row(e, *of.device, of.sentence(e.address), in).c_str());
+static void print(const servobus::catalogue& of, servobus::table in, const servobus::catalogue* inputs,
+                  const servobus::catalogue& holding) {
+    for (const servobus::entry& e : of.entries) {
+        const bool is_by_input = e.form != nullptr && e.form->scale_table == servobus::table::input_registers;
+        const char* const by = tool::scaling_name(e, is_by_input ? inputs->entries : holding.entries);
+        std::puts(tool::map_row(e, *of.device, of.sentence(e), in, by).c_str());
+    }
 }
 
 static void begin(const servobus::profile& of) {
@@ -151,6 +211,8 @@ static void begin(const servobus::profile& of) {
     std::puts(tool::map_header(true).c_str());
 }
 
+"""
+USES_DRIVES = """
 // Rows are rows of the library, which a client reads and writes.
 static_assert(servobus::is_register<meter::voltage> && servobus::is_bit<plant::pump>);
 static_assert(servobus::table_of<plant::level> == servobus::table::input_registers);
@@ -161,17 +223,18 @@ static_assert(servobus::has_fixed_word_order<meter::device> && !servobus::has_fi
 """
 
 
-def program(maps: dict[str, str]) -> str:
+def program(maps: dict[str, str], more: str = "") -> str:
     headers = "".join(f'#include "{device}.hpp"\n' for device in maps)
     calls = ""
     for device, shown in maps.items():
         space = device.replace("-", "_")
         calls += f"    begin({space}::device::facts);\n"
-        tables = [line.rsplit(",", 1)[-1] for line in shown.splitlines()]
+        tables = {row["table"] for row in csv.DictReader(line for line in shown.splitlines() if not line.startswith("#"))}
+        inputs = f"&{space}::input_register_catalogue" if "input" in tables else "nullptr"
         for table, catalogue in CATALOGUES.items():
             if table in tables:
-                calls += f"    print({space}::{catalogue}, servobus::table::{TABLES[table]});\n"
-    return f"{headers}{PRINTS}\nint main() {{\n{calls}}}\n"
+                calls += f"    print({space}::{catalogue}, servobus::table::{TABLES[table]}, {inputs}, {space}::catalogue);\n"
+    return f"{headers}{PRINTS}{more}\nint main() {{\n{calls}}}\n"
 
 
 def compiles(tool: Tool, name: str, program: str, *words: str) -> bool:
@@ -215,7 +278,12 @@ def comes_back(tool: Tool):
         header = tool.run(f"header {device}")
         tool.check(f"header {device} is made", header.status == 0 and header.err == "")
         tool.write(f"{name}.hpp", header.out)
-    if not compiles(tool, "prints", program(maps), f"{ROOT}/examples/servobus/device_file/map_text.cpp"):
+    print_maps(tool, maps, USES_DRIVES)
+
+
+def print_maps(tool: Tool, maps: dict[str, str], more: str = ""):
+    """A program with the headers of devices prints the maps that they were made of."""
+    if not compiles(tool, "prints", program(maps, more), f"{ROOT}/examples/servobus/device_file/map_text.cpp"):
         return
     printed = tool.run("", program=[str(tool.folder / "prints")]).lines
     for name, shown in maps.items():
@@ -226,9 +294,27 @@ def comes_back(tool: Tool):
 
 
 @scene()
+def values_come_back(tool: Tool):
+    """Headers of files with values of every form, and of the device files of the examples."""
+    tool.write("values.csv", VALUES)
+    maps = {}
+    for path in [tool.folder / "values.csv", *sorted((ROOT / "examples/devices").glob("*.csv"))]:
+        name = path.stem
+        maps[name] = tool.run(f"map {path} --long --profile").out
+        header = tool.run(f"header {path}")
+        tool.check(f"header {name} is made", header.status == 0 and header.err == "", header.err)
+        tool.write(f"{name}.hpp", header.out)
+        if name != "values":
+            continue
+        for line in VALUES_IN_CPP:
+            tool.check(f"has {line.splitlines()[0]}", line in header.out)
+        tool.check("rows that scale others stand before these",
+                   0 < header.out.index(" power_exponent{") < header.out.index(" power{"))
+    print_maps(tool, maps)
+
+
+@scene()
 def refused(tool: Tool):
-    tool.write("mixed.csv", "address,name,type,word_order\n1,here,u32,high\n3,there,u32,low\n")
-    tool.fails("two word orders", "header mixed.csv", 2, "mixed.csv: there has a word order of its own")
     tool.write("bad.csv", "address,name\n1,a b\n")
     tool.fails("a bad file", "header bad.csv", 2, "bad.csv:2: the name 'a b' is no letter")
     tool.fails("no device", "header", 2, "header takes one DEVICE")
