@@ -25,8 +25,8 @@ struct cell_name {
     std::string_view name;
 };
 
-/// Holds what a row says. `entry.values` is empty: `names` has them. `entry.form` is null or `form`, so it stays where it
-/// was made.
+/// Holds what a row says. `entry.values` is empty: `names` has them. `entry.form` is null or `form`, so a row stays
+/// where it was made.
 struct device_row {
     device_row() = default;
     device_row(const device_row&) = delete;

@@ -45,8 +45,8 @@ std::optional<std::vector<u16>> parse_plain(const servobus::entry& row, std::str
 
 /// The bits of a finite float that is written in the row's unit; none if it is no number, or too large.
 std::optional<std::uint64_t> parse_float(const servobus::entry& row, std::string_view text);
-/// The words of a text with zeros behind it, from a text with or without quotes; none if it is too long, or has a
-/// backslash that does not begin a character such as \x0A.
+/// The words of a text, which may be in quotes, with zeros behind it. None if it is too long, or if a backslash in it
+/// begins no character such as \x0A.
 std::optional<std::vector<u16>> parse_text(const servobus::entry& row, std::string_view text);
 
 } // namespace tool

@@ -8,8 +8,9 @@
 //     left_max_current=? # 400, outside 0.0 A .. 30.0 A
 //     crc16=0x1234
 //
-// with each register's raw number, a float as the shortest number that gives its bits again, a text in quotes, or ? if the drive refused to give it or holds what the manual does not
-// allow: restore leaves such a register alone. The CRC, that of Modbus, is of everything before its line.
+// Each register has its raw number; a float the shortest number that gives its bits again; a text is in quotes. It has
+// a ? if the drive refused to give it or holds what the manual does not allow: restore leaves such a register alone.
+// The CRC, that of Modbus, is of everything before its line.
 #pragma once
 
 #include <optional>

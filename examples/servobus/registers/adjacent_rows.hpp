@@ -24,7 +24,7 @@ inline std::size_t words_between(row_list rows) {
     return rows.back()->address + rows.back()->words() - rows.front()->address;
 }
 
-/// How many of the first rows one request of `most` registers or bits reads. The rows are in address order.
+/// The number of the first rows that one request of `most` registers or bits reads. The rows are in address order.
 inline std::size_t count_adjacent(row_list rows, std::size_t most) {
     std::size_t count = 1;
     while (count < rows.size() && follows(*rows[count - 1], *rows[count]) &&

@@ -107,8 +107,8 @@ std::string why_text(const target& of, servobus::status why, const any_port& por
 
 /// An open port with a client of one node. It stays where it was made. Where the drive can switch the word
 /// order of the words of a pair, it is read from the drive before the first pair, and again after a write to
-/// the switch or a lost answer. Above the session the high word is always first, and in a row that has the low byte first
-/// the high byte; a part of a register has its bits alone.
+/// the switch or a lost answer. Above the session the high word is always first, and the
+/// high byte; a part of a register has its bits alone.
 class session {
   public:
     using line_type = servobus::line<any_port, stray_bytes, servobus::echoed>;

@@ -22,8 +22,8 @@ namespace tool {
 
 /// Executes functions 01 to 06, 0Fh and 10h on the rows of a file, with the checks of the standard in its order: the
 /// function (exception 1), quantity and byte count (3), the addresses (2), the values (3). An address without a row,
-/// half a pair and a row without that access are wrong addresses; a value outside `min` and `max` is a wrong value. A coil
-/// also takes the words of function 05 that have names, and keeps its state then.
+/// half a pair and a row without that access are wrong addresses; a value outside `min` and `max` is a wrong value. A
+/// coil also takes the words of function 05 that have names, and keeps its state then.
 class file_model {
   public:
     file_model(const device& of, std::uint8_t node, std::uint32_t baud);

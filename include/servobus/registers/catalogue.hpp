@@ -287,7 +287,7 @@ struct catalogue {
         const entry* const e = find(address);
         return e == nullptr ? "" : sentence_of(descriptions, e->address);
     }
-    /// What the register of an entry of this catalogue does.
+    /// The sentence of an entry of this catalogue.
     constexpr const char* sentence(const entry& of) const {
         return descriptions.empty() ? ""
                                     : descriptions[static_cast<std::size_t>(&of - entries.data())].sentence;

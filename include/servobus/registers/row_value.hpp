@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// The value that the words of a catalogue's row encode, and back, at run time: integers, floats, decimal digits, parts
-// of a register, offsets, raw values that mean "no value". It needs neither a heap nor floating-point arithmetic.
+// The value that the words of a catalogue's row encode, and back, at run time. A row is an integer, a float, decimal
+// digits or a part of a register, with an offset and raw values that mean "no value". There is no floating point.
 // value_text.hpp includes it; tools include it.
 //
 //     constexpr value_form form{.offset = -1000};

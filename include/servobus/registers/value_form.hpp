@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// The properties of a value that its type does not state, for tools: its bits of a register, an offset, raw values that
-// mean "no value", the row that scales it. registers/catalogue.hpp includes it. For the compiler, `with` in
+// The properties of a value that its type does not state: bits of a register, an offset, raw values for
+// "no value". registers/catalogue.hpp includes it. For the compiler, `with` in
 // registers/value_types.hpp states the same.
 //
 //     constexpr value_form high_byte{.first_bit = 8, .bits = 8};

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Formats the words of any row of a catalogue as text: what registers/format.hpp has, and floats, 64 bits, texts, parts
-// of a register, numbers that another row scales. All digits are exact; there is no floating point.
+// Formats the words of any row of a catalogue as text: beside what format.hpp formats, floats, 64 bits, texts, parts
+// of a register, numbers with a scale in another row. All digits are exact; there is no floating point.
 // explain/explain.hpp includes it; tools include it.
 //
 //     constexpr entry voltage{0, "voltage", value_kind::float_pair, access::ro, unstated, no_default,
@@ -140,8 +140,8 @@ constexpr void put_text(text_writer& out, const entry& e, const Words& words, bo
     out << '"';
 }
 
-/// Writes the value of a row that is no text: `12.34 A`, `no_limit (0x00FF)`, `no value`. `scaled_by` is the name of the
-/// row that scales it, for a scale that is not known: `1234 * 10^power_exponent W`.
+/// Writes the value of a row that is no text: `12.34 A`, `no_limit (0x00FF)`, `no value`. `scaled_by` is the name of
+/// the row that scales it, for a scale that is not known: `1234 * 10^power_exponent W`.
 constexpr void put_row_value(text_writer& out, const entry& e, std::uint64_t bits,
                              value_format how = value_format::words, const row_scale& scale = {},
                              const char* scaled_by = "?") {

@@ -52,7 +52,8 @@ TEST_CASE("the states of a drive have texts") {
 TEST_CASE("YAKO: an error code has the name that the catalogue gives it") {
     const entry& row = *yako::closed_loop::catalogue.find(0x0006);
     REQUIRE(row.values.size() == 6);
-    for (const named_value& v : row.values) CHECK(yako::text(static_cast<u16>(v.value)) == std::string{v.name});
+    for (const named_value& v : row.values)
+        CHECK(yako::text(static_cast<u16>(v.value)) == std::string{v.name});
     CHECK(yako::text(6) == std::string{"unlisted error"});
     CHECK(yako::text(0xFFFF) == std::string{"unlisted error"});
 }
@@ -60,7 +61,8 @@ TEST_CASE("YAKO: an error code has the name that the catalogue gives it") {
 TEST_CASE("C630S: an alarm has the name that the catalogue gives it") {
     const entry& row = *c630s::catalogue.find(c630s::recorded_alarm.address);
     REQUIRE(row.values.size() == std::size(c630s::alarms) + 1);
-    for (const named_value& v : row.values) CHECK(c630s::text(static_cast<u16>(v.value)) == std::string{v.name});
+    for (const named_value& v : row.values)
+        CHECK(c630s::text(static_cast<u16>(v.value)) == std::string{v.name});
     for (const c630s::alarm& a : c630s::alarms) CHECK(text(a) == std::string{c630s::text(a.code)});
     CHECK(c630s::text(0x999) == std::string{"unlisted alarm"});
 }

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Frames about rows of every form: floats, 64 bits, texts, parts of a register, numbers that another row scales, words
-// of function 05 with a name.
+// Frames about rows of every form: floats, 64 bits, texts, parts of a register, numbers that another row scales, named
+// words of function 05.
 #include <cstdint>
 #include <string>
 #include <vector>

@@ -152,7 +152,7 @@ class register_text {
         return has_own_order(e) ? e.own_word_order : word_order_;
     }
 
-    /// Of a value that the frame has in part.
+    /// Names the word of a value that the frame has in part.
     constexpr const char* piece_of(const entry& e, bool is_first) const {
         if (e.words() != 2 || is_text(e)) return "part of ";
         if (order_of(e) == word_order::unknown || (is_factory_word_order_ && !has_own_order(e)))
