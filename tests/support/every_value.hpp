@@ -19,7 +19,7 @@ using namespace servobus::units;
 
 template <word_order Order, bool Blocks = false> struct device {
     static constexpr profile facts{
-        .name = "every_value", .word_order = Order, .baud = 115200, .writes_blocks_only = Blocks};
+        .name = "every_value", .word_order = Order, .baud = 115200, .writes_blocks_only = Blocks ? block_writes::all : block_writes::none};
 };
 enum class phase : std::uint32_t { idle = 1, heating = 0x0001'0002 };
 enum class mode : std::uint16_t { off, on, automatic };
@@ -68,6 +68,12 @@ template <class Device> struct rows {
     static constexpr ro<with<u64, ten_to<exponent>>> total{0x0056, full<u64>, watt_hour, no_default};
     static constexpr rw<u16> ct_ratio{0x005A, {1, 1000}, times, 1};
     static constexpr ro<with<u16, times_row<ct_ratio>>> primary{0x005B, full<u16>, ampere / 1000, no_default};
+
+    static constexpr ro<with<i16, or_none<-0x8000>>> own_exponent{0x005C, full<i16>, no_unit, no_default};
+    static constexpr ro<with<u16, ten_to<own_exponent>>> own_power{0x005D, full<u16>, watt, no_default};
+    static constexpr ro<with<u16, or_none<0>>> own_ratio{0x005E, full<u16>, no_unit, no_default};
+    static constexpr ro<with<u16, times_row<own_ratio>>> own_current{0x005F, full<u16>, ampere / 1000,
+                                                                     no_default};
 
     static constexpr coil<access::rw, Device> relay{0x0000};
     static constexpr coil<access::rw, Device> lamp{0x0001};

@@ -101,6 +101,15 @@ adds() { # NAME CALLS BOUND BOUND: on a blocking line and on a line, at most so 
     # shellcheck disable=SC2086
     printf '%-72s%-14s%7s%6s%s\n' "$1" cortex-m0plus $now "$verdict"
 }
+# A value of a float or of 64 bits, read by integers alone: nothing for floating point or division is linked.
+by_integers() { # NAME CALLS BOUND BOUND
+    adds "$@"
+    for of in 0 1; do
+        build tables cortex-m0plus -DLINE="$of" -DCALLS="$2"
+        symbols=$(arm-none-eabi-nm "$work/program.elf" | awk '{ print $NF }' | grep -E "^($unwanted)" || true)
+        [ -z "$symbols" ] || { echo "FAILED  $1 links $(echo $symbols)"; status=1; }
+    done
+}
 # Names that stand in two rows, of which the second would never be reached, and those that no program has.
 names_are_unique() { # FILE COLUMNS
     doubled=$(grep -v '^#' "$1" | cut -f "$2" | sort | uniq -d)
@@ -138,11 +147,19 @@ object facade_of_a_c630s 476
 printf '\n%-72s%-14s%7s%6s\n' "what calls add" core "flash: blocking line," line
 adds "read two input registers" 1 184 276
 adds "read three coils" 2 184 272
-adds "write a coil (05)" 4 252 288
+adds "write a coil (05)" 4 248 272
 adds "write two coils (0F)" 8 184 192
 adds "change bits of a register (16h)" 16 232 296
 adds "write, then read (17h)" 32 752 464
-adds "all of them" 63 1688 1664
+adds "all of them" 63 1684 1644
+by_integers "read two floats, one as a count" 128 672 760
+by_integers "read 64 bits" 512 268 360
+by_integers "read a part of a register" 1024 236 320
+by_integers "read a value and its exponent, as a count" 2048 836 924
+adds "read two floats, one in floating point" 256 1408 1496
+build tables cortex-m0plus -DLINE=0 -DCALLS=256
+arm-none-eabi-nm "$work/program.elf" | grep -q ' __aeabi_f' ||
+    { echo "FAILED  no floating point is found where the program asks for it"; status=1; }
 
 # The floor of the picture in bench/README.md: the job by hand, whose figures stand with those of the other libraries.
 floor="hand-written, without promises"

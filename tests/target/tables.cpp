@@ -3,7 +3,11 @@
 //
 // What each call for rows of other tables adds to a program that reads and writes holding registers. CALLS is a sum of
 // the numbers below; LINE is 1 for a line, 0 for a blocking line. run.sh compares the sizes; the program is not run.
+#if CALLS >= 128
+#include <servobus/any_value.hpp>
+#else
 #include <servobus/any_device.hpp>
+#endif
 #include <servobus/line/blocking_line.hpp>
 
 #include "board.hpp"
@@ -25,6 +29,15 @@ inline constexpr input_reg<u16, device> voltage{0x0001, full<u16>, units::volt /
 inline constexpr coil<access::rw, device> pump{0x0000};
 inline constexpr coil<access::rw, device> fan{0x0001};
 inline constexpr coil<access::rw, device> lamp{0x0002};
+#if CALLS >= 128
+inline constexpr input_reg<f32, device> power{0x0010, full<f32>, units::watt, no_default};
+inline constexpr input_reg<f32, device> current{0x0012, full<f32>, units::ampere, no_default};
+inline constexpr input_reg<u64, device> energy{0x0014, full<u64>, units::watt_hour, no_default};
+inline constexpr input_reg<with<u16, bits<4, 15>>, device> level{0x0018, full<u16>, no_unit, no_default};
+inline constexpr input_reg<i16, device> exponent{0x0019, full<i16>, no_unit, no_default};
+inline constexpr input_reg<with<i16, ten_to<exponent>>, device> flow{0x001A, full<i16>, units::litre,
+                                                                     no_default};
+#endif
 } // namespace hoist
 
 namespace {
@@ -63,5 +76,25 @@ extern "C" bool job() {
     }
     if constexpr ((CALLS & 64) != 0)
         is_done &= io.write<current_limit>(raw(10)).error() == errc::ok; // function 06
+#if CALLS >= 128
+    if constexpr ((CALLS & 128) != 0) {
+        if (const auto r = io.read<power, current>())
+            number = r->get<current>().rounded(milliampere).value_or(-1);
+    }
+    if constexpr ((CALLS & 256) != 0) {
+        if (const auto r = io.read<power, current>()) number = r->get<current>().in(milliampere) > 1.5f;
+    }
+    if constexpr ((CALLS & 512) != 0) {
+        if (const auto r = io.read<energy>()) number = r->in(watt_hour);
+    }
+    if constexpr ((CALLS & 1024) != 0) {
+        if (const auto r = io.read<level>()) number = *r;
+    }
+    if constexpr ((CALLS & 2048) != 0) {
+        if (const auto r = io.read<flow, exponent>()) {
+            if (const auto now = r->get<flow>()) number = now->rounded(litre);
+        }
+    }
+#endif
     return is_done;
 }

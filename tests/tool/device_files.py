@@ -287,7 +287,7 @@ WRONG_PROFILES = [
     ("# baud = 9600\n# baud = 9600", 2, "'baud' is given twice"),
     ("# highest_address = 256", 1, "highest_address takes a whole number from 1 to 255"),
     ("# byte_order = big", 1, "byte_order takes high or low, not 'big'"),
-    ("# writes_blocks_only = 1", 1, "writes_blocks_only takes yes or no, not '1'"),
+    ("# writes_blocks_only = 1", 1, "writes_blocks_only takes yes, registers, coils or no, not '1'"),
     ("# colour = red", 1, f"unknown key 'colour'; a line that begins with ## is a comment; {LATER}"),
     ("# lowest_address = 9\n# highest_address = 8", 1, "lowest_address 9 is above highest_address 8"),
     ("# character_format = 7E1", 1, "character_format takes 8N1, 8N2, 8E1 or 8O1"),

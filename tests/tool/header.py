@@ -167,7 +167,7 @@ address,name,words,type,access,scale,unit,min,max,default,flags,names,word_order
 """
 VALUES_IN_CPP = [
     "#include <servobus/registers/value_forms.hpp>\n",
-    ".writes_blocks_only = true",
+    ".writes_blocks_only = servobus::block_writes::all",
     "rw<servobus::f32> setpoint{0x0010, {-10, 50}, servobus::units::degree_celsius, 21}",
     "rw<servobus::with<servobus::i64, servobus::or_none<-1>, servobus::low_word_first>> balance{",
     "servobus::or_none<-1, -9223372036854775807 - 1>",

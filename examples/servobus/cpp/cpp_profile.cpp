@@ -62,7 +62,10 @@ std::string device_class(const servobus::profile& facts) {
     number(".read_retries", facts.read_retries, usual.read_retries);
     const bool has_exceptions = facts.exceptions.begin() != facts.exceptions.end();
     put(!has_exceptions, ".exceptions = exceptions");
-    put(!facts.writes_blocks_only, ".writes_blocks_only = true");
+    constexpr const char* blocks[] = {"none", "registers", "coils", "all"};
+    put(facts.writes_blocks_only == usual.writes_blocks_only,
+        std::string{".writes_blocks_only = servobus::block_writes::"} +
+            blocks[static_cast<unsigned>(facts.writes_blocks_only)]);
     std::string out = "struct device {\n";
     if (has_exceptions) {
         out += "    static constexpr servobus::exception_meaning exceptions[] = {\n";

@@ -161,7 +161,7 @@ std::string owned_profile::set(const std::string& key, std::string_view value) {
                                                  : "byte_order takes high or low, not " + csv::shown(value);
     }
     if (key == "echoes_byte_count") return set_yes_or_no(key, value, facts_.limits.echoes_byte_count);
-    if (key == "writes_blocks_only") return set_yes_or_no(key, value, facts_.writes_blocks_only);
+    if (key == "writes_blocks_only") return set_block_writes(value);
     constexpr std::string_view exception = "exception_";
     if (key.starts_with(exception))
         return set_exception(std::string_view{key}.substr(exception.size()), value);
@@ -171,6 +171,15 @@ std::string owned_profile::set(const std::string& key, std::string_view value) {
 std::string owned_profile::set_yes_or_no(const std::string& key, std::string_view value, bool& fact) {
     fact = value == "yes";
     return value == "yes" || value == "no" ? "" : key + " takes yes or no, not " + csv::shown(value);
+}
+
+std::string owned_profile::set_block_writes(std::string_view value) {
+    for (unsigned i = 0; i < std::size(names_of_block_writes); ++i) {
+        if (value != names_of_block_writes[i]) continue;
+        facts_.writes_blocks_only = static_cast<servobus::block_writes>(i);
+        return {};
+    }
+    return "writes_blocks_only takes yes, registers, coils or no, not " + csv::shown(value);
 }
 
 std::string owned_profile::set_exception(std::string_view number, std::string_view words) {

@@ -35,6 +35,7 @@ class owned_profile {
   private:
     std::string set(const std::string& key, std::string_view value);
     static std::string set_yes_or_no(const std::string& key, std::string_view value, bool& fact);
+    std::string set_block_writes(std::string_view value);
     std::string set_exception(std::string_view number, std::string_view words);
 
     servobus::profile facts_{.name = ""};

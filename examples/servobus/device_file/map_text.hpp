@@ -49,6 +49,9 @@ inline constexpr std::string_view map_columns[] = {
 /// Ends a complaint about a word that a newer version of the form may have.
 inline constexpr const char* later_version = "; a newer version of servobus may have written the file";
 
+/// The words of the key `writes_blocks_only`, in the order of `block_writes`.
+inline constexpr std::string_view names_of_block_writes[] = {"no", "registers", "coils", "yes"};
+
 /// A word of the column `flags`.
 struct flag_word {
     std::string_view word;

@@ -185,7 +185,8 @@ int session::check(const arguments& asked, const target& of) {
     settings_.keeps_echo = *echoes;
     const bool is_known_drive = of.kind != nullptr && of.kind->file == nullptr; // which answers reads
     has_no_echo_ = asked.has("echo") && !*echoes && !is_known_drive;
-    writes_blocks_ = asked.has("blocks-only") || facts.writes_blocks_only;
+    has_function_05_ = !asked.has("blocks-only") && !facts.refuses_function_05();
+    has_function_06_ = !asked.has("blocks-only") && !facts.refuses_function_06();
     if (const char* const how = asked.text("rs485")) {
         if (const std::string why = os::set_rs485(settings_, how); !why.empty()) return complain(usage, why);
     }

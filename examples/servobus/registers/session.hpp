@@ -219,7 +219,8 @@ class session {
     serial_settings settings_;
     bool has_timeout_ = false;   ///< one was given
     bool has_no_echo_ = false;   ///< the command line says so, and the device may not answer reads
-    bool writes_blocks_ = false; ///< a single register by function 10h, a single coil by 0Fh
+    bool has_function_05_ = true; ///< else a single coil is written by 0Fh
+    bool has_function_06_ = true; ///< else a single register is written by 10h
     bool is_tcp_ = false;
     bool has_quarantine_ = false;
     servobus::duration later_quarantine_{}; ///< after the first request

@@ -124,10 +124,10 @@ bool session::has_port() {
 
 servobus::status session::write_once(const chosen& what, std::span<const u16> words) {
     if (what.form.is_bit()) return write_coils(what.address, words);
-    if (words.size() == 1 && has_no_echo_ && !writes_blocks_)
+    if (words.size() == 1 && has_no_echo_ && has_function_06_)
         return write_single(servobus::modbus::function::write_single_register, what.address, words[0]);
     client_->node().read_retries = retries_; // the reads that rule out an echo
-    const servobus::status w = words.size() == 1 && !writes_blocks_
+    const servobus::status w = words.size() == 1 && has_function_06_
                                    ? client_->write_word(what.address, words[0])
                                    : client_->write_words(what.address, words);
     client_->node().read_retries = 0;
@@ -140,7 +140,7 @@ servobus::status session::write_coils(u16 address, std::span<const u16> coils) {
     std::array<std::uint8_t, modbus::max_pdu> request{};
     std::size_t size = 0;
     const bool is_word = coils.size() == 1 && coils[0] > 1; // that no other function can send
-    if (coils.size() == 1 && (is_word || !writes_blocks_)) {
+    if (coils.size() == 1 && (is_word || has_function_05_)) {
         const u16 word = is_word ? coils[0] : coils[0] != 0 ? modbus::coil_on : modbus::coil_off;
         if (has_no_echo_) return write_single(modbus::function::write_single_coil, address, word);
         size = modbus::put_write_coil_request(request, address, coils[0] != 0);

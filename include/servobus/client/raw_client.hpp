@@ -186,7 +186,7 @@ class raw_client : protected detail::node_link<Line, Device, Node> {
     /// Writes one register. `AsksFirst`: an echo must be ruled out before the write leaves, not after it.
     template <bool IsBroadcast = false, bool AsksFirst = false>
     constexpr status write_one(u16 address, u16 value, const typename link::condition& on = {}) {
-        if constexpr (Device::facts.writes_blocks_only) {
+        if constexpr (Device::facts.refuses_function_06()) {
             std::uint8_t frame[11];
             store_word(frame, 7, value);
             return write_many<IsBroadcast, AsksFirst>(frame, address, on);

@@ -65,6 +65,9 @@ struct uart_settings {
     character_format format;
 };
 
+/// The rows that a device takes in blocks alone, also a single one.
+enum class block_writes : std::uint8_t { none, registers, coils, all };
+
 /// The properties of a device. A device class has them as `static constexpr profile facts`.
 struct profile {
     const char* name;
@@ -87,8 +90,15 @@ struct profile {
     duration gap{};                ///< gap that the device needs before a request, if above t3.5
     std::uint8_t read_retries = 2; ///< a failed read is repeated at most so many times
     exception_table exceptions{};
-    bool writes_blocks_only =
-        false; ///< it refuses functions 05 and 06: a single row is written by 0Fh or 10h
+    /// It refuses function 06, function 05, or both: a single row is written by 10h or 0Fh.
+    block_writes writes_blocks_only = block_writes::none;
+
+    constexpr bool refuses_function_06() const {
+        return writes_blocks_only == block_writes::registers || writes_blocks_only == block_writes::all;
+    }
+    constexpr bool refuses_function_05() const {
+        return writes_blocks_only == block_writes::coils || writes_blocks_only == block_writes::all;
+    }
 
     /// The manual's text for an exception number; "unknown exception" if it has none.
     constexpr const char* meaning(std::uint8_t number) const {

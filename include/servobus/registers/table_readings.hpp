@@ -195,10 +195,15 @@ requires(detail::needs_table_calls<Rs> || ...) class readings<Rs...> {
         constexpr bool is_read = (detail::is_same_register<Codec::scale::row, Rs> || ...);
         static_assert(is_read || sizeof...(Rs) == 1,
                       "another row scales this one: name both, read<power, power_exponent>()");
-        if constexpr (is_read) // else the assertion is the only error
-            return static_cast<std::int64_t>(count_of(this->template get<Codec::scale::row>()));
-        else
+        if constexpr (!is_read) { // the assertion is the only error
             return 0;
+        } else {
+            const auto scale = this->template get<Codec::scale::row>();
+            if constexpr (Codec::scale::is_optional)
+                return scale ? static_cast<std::int64_t>(count_of(*scale)) : Codec::scale::none_now;
+            else
+                return static_cast<std::int64_t>(count_of(scale));
+        }
     }
 
     alignas(u16) std::uint8_t data_[plan.bytes]; // so a result of few bytes is returned in a register

@@ -117,6 +117,22 @@ TEST_CASE_TEMPLATE("a value and the row that scales it come in one request", B, 
     const auto current = b.io.template read<r::primary, r::ct_ratio>();
     CHECK(current->template get<r::primary>().count() == 4000);
 
+    // The row that scales may have none too.
+    for (const unsigned exponent : {0x8000u, 0xFFFFu}) {
+        for (const unsigned ratio : {0u, 3u}) {
+            every_value::put(b.model.holding_registers, 0x5C, {exponent, 1234, ratio, 40});
+            const auto own =
+                b.io.template read<r::own_power, r::own_exponent, r::own_current, r::own_ratio>();
+            REQUIRE(own);
+            const auto power = own->template get<r::own_power>();
+            CHECK(power.has_value() == (exponent == 0xFFFF));
+            if (power) CHECK(power->rounded(watt) == 123);
+            const auto own_current = own->template get<r::own_current>();
+            CHECK(own_current.has_value() == (ratio != 0));
+            if (own_current) CHECK(own_current->count() == 120);
+        }
+    }
+
     b.model.holding_registers[0x55] = 0x8000; // none
     CHECK(!b.io.template read<r::power, r::exponent>()->template get<r::power>());
     b.model.holding_registers[0x55] = 5;

@@ -53,7 +53,8 @@ template <class Line, device_class Device, class Node> class node_link {
     using crc = typename Line::crc; // every frame has it, as the line checks the responses
 
     static constexpr bool has_tokens = Device::facts.eeprom_switch != 0;
-    static constexpr bool writes_blocks_only = Device::facts.writes_blocks_only;
+    static constexpr bool refuses_function_05 = Device::facts.refuses_function_05();
+    static constexpr bool refuses_function_06 = Device::facts.refuses_function_06();
     /// True if a word order can become stale, also during a read.
     static constexpr bool loses_word_order = Device::facts.word_order_register != 0 && !is_fixed<Node>;
     /// True if anything is learned of the node that a restart would change.

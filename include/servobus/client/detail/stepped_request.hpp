@@ -65,7 +65,7 @@ template <class Link> class stepped_request {
     }
     /// `asks_first`: a read goes first. Its frame lies after that of the write, which is kept.
     static constexpr std::size_t write_room(std::size_t words, bool asks_first) {
-        const bool is_short = words == 1 && !Link::writes_blocks_only;
+        const bool is_short = words == 1 && !Link::refuses_function_06;
         return (is_short ? shortest_room : 9 + 2 * words) + (asks_first ? shortest_room : 0);
     }
 
@@ -112,7 +112,7 @@ template <class Link> class stepped_request {
             on.use(order);
             (void)store_value({frame, 13}, 7, bits, 2, order);
             return begin_block(frame, 2, address, on, asks_first);
-        } else if constexpr (Link::writes_blocks_only) {
+        } else if constexpr (Link::refuses_function_06) {
             store_word({frame, 9}, 7, static_cast<u16>(bits));
             return begin_block(frame, 1, address, on, asks_first);
         } else {

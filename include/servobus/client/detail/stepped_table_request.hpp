@@ -20,7 +20,7 @@ template <class Link> class stepped_table_request : public stepped_request<Link>
     using base = stepped_request<Link>;
 
   protected:
-    static constexpr std::size_t coil_room = Link::writes_blocks_only ? 10 : 8;
+    static constexpr std::size_t coil_room = Link::refuses_function_05 ? 10 : 8;
 
     constexpr explicit stepped_table_request(Link& of) : base{of} {}
 
@@ -38,7 +38,7 @@ template <class Link> class stepped_table_request : public stepped_request<Link>
     }
     /// Writes a coil by function 05, or coils whose bits lie in `frame` from its byte 7 on by 0F.
     constexpr errc begin_coil(std::uint8_t* frame, u16 address, bool is_on) {
-        if constexpr (Link::writes_blocks_only) {
+        if constexpr (Link::refuses_function_05) {
             if (!base::done()) return errc::busy;
             frame[7] = is_on ? 1 : 0;
             return begin_coils(frame, address, 1);
@@ -48,7 +48,7 @@ template <class Link> class stepped_table_request : public stepped_request<Link>
     }
     /// Function 05 with any word.
     constexpr errc begin_coil_word(std::uint8_t* frame, u16 address, u16 word) {
-        static_assert(!Link::writes_blocks_only, "this device takes no function 05");
+        static_assert(!Link::refuses_function_05, "this device takes no function 05");
         if (const errc no = refusal(); no != errc::ok) return no;
         modbus::put_trusted_request({frame + 1, 5}, modbus::function::write_single_coil, address, word);
         return begin_bits(frame, 8, address);

@@ -157,7 +157,7 @@ template <class Line, device_class Device, class Node> struct table_calls<client
     /// Function 05 with a word of the device. The coil's state after it is not compared; an echo is ruled out.
     template <const auto& R> static constexpr status write_coil_word(own& of, coil_word word) {
         check_coils<Device, false, R>();
-        static_assert(!Device::facts.writes_blocks_only, "this device takes no function 05");
+        static_assert(!Device::facts.refuses_function_05(), "this device takes no function 05");
         return write_05<false>(of, R.address, word.value);
     }
     template <const auto& Rows, bool Wears>
@@ -260,7 +260,7 @@ template <class Line, device_class Device, class Node> struct table_calls<client
 
     template <bool IsBroadcast = false>
     static constexpr status write_bit(own& of, u16 address, bool is_on) {
-        if constexpr (Device::facts.writes_blocks_only) {
+        if constexpr (Device::facts.refuses_function_05()) {
             std::uint8_t frame[10];
             frame[7] = is_on ? 1 : 0;
             return write_bits<IsBroadcast>(of, frame, address, 1);

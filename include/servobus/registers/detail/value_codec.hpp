@@ -130,17 +130,12 @@ requires(has_codec<T> && !coded_text<T>) struct codec<T> {
     /// The value of row `R`. `by`: the exponent or the factor, where another row scales it.
     template <const auto& R> static constexpr auto value_of(u64 bits, std::int64_t by = 0) {
         const u64 raw = bits >> options.first_bit & mask;
-        constexpr bool is_exponent = [] {
-            if constexpr (scale::exists)
-                return scale::is_exponent;
-            else
-                return false;
-        }();
         constexpr bool is_bcd = requires { typename format::has_wrong_digits; };
-        if constexpr (type::has_none || is_exponent || is_bcd) {
+        if constexpr (type::has_none || scale::is_exponent || scale::is_optional || is_bcd) {
             using value = decltype(plain_value_of<R>(raw, by));
             const bool is_none = type::is_none(raw, mask) || !format::is_number(raw, width) ||
-                                 (is_exponent && (by < -10 || by > 10));
+                                 (scale::is_exponent && (by < -10 || by > 10)) ||
+                                 (scale::is_optional && by == scale::none_now);
             return is_none ? maybe<value>{} : maybe<value>{plain_value_of<R>(raw, by)};
         } else {
             return plain_value_of<R>(raw, by);

@@ -23,14 +23,10 @@ struct value_options {
 
 /// The scale of a value by another row.
 struct no_scale {
-    static constexpr bool exists = false;
+    static constexpr bool exists = false, is_exponent = false, is_optional = false;
+    static constexpr std::int64_t none_now = 0;
 };
-template <const auto& Row, bool IsExponent> struct scale_by {
-    static constexpr bool exists = true, is_exponent = IsExponent;
-    static constexpr const auto& row = Row;
-    static constexpr bool is_integer = wire_integer<typename row_type<Row>::value_type>;
-    static constexpr bool is_plain = Row.unit_of_count == unit{} || Row.unit_of_count == unit{measure::times};
-};
+template <const auto& Row, bool IsExponent> struct scale_by;
 
 struct plain_option {
     using scale = no_scale;
@@ -125,6 +121,16 @@ template <class T, class... Options> struct options_of<with<T, Options...>> {
     static constexpr bool is_none(u64 raw, u64 mask) {
         return (value_option<Options>::is_none(raw, mask) || ...);
     }
+};
+
+template <const auto& Row, bool IsExponent> struct scale_by {
+    using options = options_of<typename row_type<Row>::value_type>;
+    static constexpr bool exists = true, is_exponent = IsExponent;
+    static constexpr bool is_optional = options::has_none; // then the value may be none too
+    static constexpr std::int64_t none_now = lowest<std::int64_t>;
+    static constexpr const auto& row = Row;
+    static constexpr bool is_integer = wire_integer<typename options::base> && !options::scale::exists;
+    static constexpr bool is_plain = Row.unit_of_count == unit{} || Row.unit_of_count == unit{measure::times};
 };
 
 } // namespace servobus::detail
