@@ -124,7 +124,7 @@ std::string value_text(const chosen& what, std::span<const u16> words) {
 
 std::string value_text(const chosen& what, std::span<const u16> words, const servobus::row_scale& scale) {
     const bool is_plain_bit =
-        what.form.is_bit() && what.row != nullptr && !is_named_code(*what.row, words[0]);
+        what.form.is_bit() && what.row != nullptr && words[0] <= 1 && is_on_or_off(*what.row, words[0] == 1);
     if (what.row == nullptr || is_plain_bit) return raw_text(what.form, words);
     return what.scaled_by == nullptr
                ? words_text(*what.row, words, scale)

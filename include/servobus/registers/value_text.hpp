@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Formats the words of any row of a catalogue as text: beside what format.hpp formats, floats, 64 bits, texts, parts
-// of a register, numbers with a scale in another row. All digits are exact; there is no floating point.
+// Formats the words of any row of a catalogue as text, also those of floats, 64 bits, texts, parts of a register and
+// numbers with a scale in another row. All digits are exact; there is no floating point.
 // explain/explain.hpp includes it; tools include it.
 //
 //     constexpr entry voltage{0, "voltage", value_kind::float_pair, access::ro, unstated, no_default,
@@ -124,6 +124,18 @@ constexpr bool has_number(const row_value& v, const row_scale& scale) {
 /// True for a value that reads as none: its own bits mean it, or those of the row that scales it.
 constexpr bool has_no_value(const row_value& v, const row_scale& scale) {
     return v.is == row_value::state::no_value || scale.is == row_scale::state::no_value;
+}
+
+/// True if a bit's state has no name in its row, and is written as on or off: neither word names the other state.
+constexpr bool is_on_or_off(const entry& e, bool is_on) {
+    const char* const word = is_on ? "on" : "off";
+    for (const named_value& v : e.values) {
+        if (v.value == (is_on ? 1u : 0u)) return false;
+        std::size_t i = 0;
+        while (word[i] != '\0' && word[i] == v.name[i]) ++i;
+        if (word[i] == v.name[i]) return false;
+    }
+    return true;
 }
 
 /// Writes the text that the words of a row hold, in quotes; characters that are not printable as `\x0A`. Zeros at

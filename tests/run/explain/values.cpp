@@ -108,6 +108,10 @@ TEST_CASE("explain: a word of function 05 that has a name") {
     CHECK(of_request({"05 00 00 00 00"}) == "write relay (0x0000) = off");
     CHECK(of_request({"05 00 00 FF 00"}) == "write relay (0x0000) = closed (0x0001)");
     CHECK(of_response({"01 00 00 00 01"}, {"01 01 00"}) == "response, relay = off");
+    static constexpr named_value inverse[] = {code(0, "on")};
+    entry lamp = coils[0];
+    lamp.values = inverse;
+    CHECK_FALSE(is_on_or_off(lamp, true)); // the word would mean the other state
 }
 
 } // namespace explain_values

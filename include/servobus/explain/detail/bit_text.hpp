@@ -111,7 +111,7 @@ class bit_text {
         if (states.size() == 0) return;
         out_ << " = ";
         const bool is_on = states[i];
-        if (!is_named_code(e, is_on ? 1 : 0)) {
+        if (is_on_or_off(e, is_on)) {
             out_ << on_or_off(is_on);
         } else {
             put_value(out_, e, is_on);
