@@ -247,7 +247,7 @@ void device_files(corpus& to) {
                                           "bits,offset,none,factor,byte_order\n";
     add("file_values",
         "# byte_order = low\n# writes_blocks_only = yes\n# highest_address = 255\n" + columns_of_values +
-            "0,voltage,,f32,ro,0.001,V,,low,input,,,0x7FC00000,,high\n0x10,energy,4,u64,rw,,Wh,,,,,-1,"
+            "0,voltage,,f32,ro,0.001,V,,low,input,,,0x7FC00000,,high\n0x10,energy,4,u64,rw,,Wh,,,,,,"
             "0xFFFFFFFFFFFFFFFF;0x8000000000000000,,\n0x14,total,,i64,ro,,,,,,,,-1,,\n0x18,name,3,text,rw,,,,"
             ",,,,,,\n"
             "0x1B,hour,,bcd16,rw,,h,0x12=noon,,,high,,,,\n0x1B,minute,,bcd16,rw,,min,,,,0..7,,,,\n"

@@ -315,6 +315,9 @@ def values_come_back(tool: Tool):
 
 @scene()
 def refused(tool: Tool):
+    tool.write("scaled.csv", "address,name,type,none,factor\n1,power,i16,,10^power_sf\n2,power_sf,i16,0x8000,\n")
+    tool.fails("a scale that the library does not take", "header scaled.csv", 2, "scaled.csv: power_sf scales power; in a "
+               "header such a row is u16, i16, u32 or i32, without other columns")
     tool.write("bad.csv", "address,name\n1,a b\n")
     tool.fails("a bad file", "header bad.csv", 2, "bad.csv:2: the name 'a b' is no letter")
     tool.fails("no device", "header", 2, "header takes one DEVICE")

@@ -14,7 +14,8 @@ namespace {
 
 using servobus::entry;
 
-constexpr std::int64_t most_words = 123; // of one write
+constexpr std::int64_t most_words = 123;          // of one write
+constexpr std::int64_t most_offset = 0x7FFE'0000; // of the library
 
 // Reads the cells one by one. Each step that fails gives its reason.
 class form_reader {
@@ -86,8 +87,9 @@ class form_reader {
         if (text.empty()) return {};
         if (is_bit() || is_text(e()) || is_float(e())) return no_column(map_column::offset);
         const std::optional<std::int64_t> n = parse_integer(text);
-        if (!n || *n < INT32_MIN || *n > INT32_MAX)
-            return bad(map_column::offset, "a whole number of counts of 32 bits");
+        if (e().words() > 2) return no_column(map_column::offset);
+        if (!n || *n < -most_offset || *n > most_offset)
+            return bad(map_column::offset, "a whole number of counts up to " + std::to_string(most_offset));
         if (*n != 0) form().offset = static_cast<std::int32_t>(*n);
         return {};
     }
@@ -97,7 +99,10 @@ class form_reader {
         if (!text.empty() && is_bit()) return no_column(map_column::byte_order);
         if (!text.empty() && text != "low" && text != "high")
             return bad(map_column::byte_order, "low, high or nothing");
-        const bool may_be_low = !is_bit() && e().kind != servobus::value_kind::unsigned_word &&
+        if (e().is_part() && text == "low")
+            return "byte_order low is for whole registers: bits are counted in the word as it comes";
+        const bool may_be_low = !is_bit() && !e().is_part() &&
+                                e().kind != servobus::value_kind::unsigned_word &&
                                 e().kind != servobus::value_kind::signed_word;
         if (text == "low" || (text.empty() && row_->is_low_byte_first_usual && may_be_low))
             form().is_low_byte_first = true;

@@ -138,15 +138,19 @@ constexpr bool is_on_or_off(const entry& e, bool is_on) {
     return true;
 }
 
-/// Writes the text that the words of a row hold, in quotes; characters that are not printable as `\x0A`. Zeros at
-/// its end are no text, nor are blanks unless `keeps_blanks` is true.
+/// Writes the text that the words of a row hold, in quotes; characters that are not printable as `\x0A`. The text ends
+/// before the first zero and the blanks at its end. If `keeps_all` is true, it ends before the zeros at its end.
 template <class Words>
-constexpr void put_text(text_writer& out, const entry& e, const Words& words, bool keeps_blanks = false) {
+constexpr void put_text(text_writer& out, const entry& e, const Words& words, bool keeps_all = false) {
     const auto byte = [&](std::size_t i) {
         return static_cast<std::uint8_t>(i % 2 == 0 ? words[i / 2] >> 8 : words[i / 2] & 0xFFu);
     };
     std::size_t size = 2 * e.words();
-    while (size != 0 && (byte(size - 1) == 0 || (!keeps_blanks && byte(size - 1) == ' '))) --size;
+    while (size != 0 && byte(size - 1) == 0) --size;
+    for (std::size_t i = size; !keeps_all && i-- != 0;) {
+        if (byte(i) == 0) size = i;
+    }
+    while (!keeps_all && size != 0 && byte(size - 1) == ' ') --size;
     out << '"';
     for (std::size_t i = 0; i < size; ++i) detail::put_character(out, byte(i));
     out << '"';
