@@ -368,7 +368,14 @@ def served(tool: Tool):
                       "mass=0.0123 kg")
             tool.run("restore drive written.csv kept.txt --yes")
             tool.err_has("the same bits come back", "0 of 13 parameters differ")
-            tool.write("machine.txt", '[box] device=written.csv node=1\nlevel=20.5\nname="Q#7"\n')
+            tool.write("machine.txt", "servobus-machine format=1\n[box] device=written.csv node=1\nlevel=1.5 m # low\n"
+                       'name="A#1" # a text\nspeed=3\ntotal=12.3\n')
+            tool.run("diff drive machine.txt")
+            tool.out_is("diff", "box.level 20.5 m -> 1.5 m", 'box.name "Q#7" -> "A#1"', "box.speed -7 r/min -> 3 r/min")
+            tool.run("apply drive machine.txt --yes")
+            tool.status_is("apply", 0)
+            tool.says("writes the same", "read drive written.csv level name speed mode", "level=1.5 m", 'name="A#1"',
+                      "speed=3 r/min", "mode=manual (0x1)")
             tool.run("doctor drive written.csv --long")
             tool.check("doctor has nothing to refuse", tool.last.status == 0 and "refused" not in tool.last.out, tool.found())
 

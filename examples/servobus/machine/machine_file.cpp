@@ -104,7 +104,7 @@ std::string machine_file::parse(std::string_view path, std::string_view text) {
     };
     while (!lines_.is_at_end()) {
         std::string_view line = lines_.next();
-        line = csv::trimmed(line.substr(0, line.find('#')));
+        line = csv::without_remark(line);
         if (line.empty()) continue;
         const std::string why = !is_plain_ascii(line)   ? csv::shown(line) + " is no ASCII text"
                                 : !has_begun            ? take_first_line(line)

@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: BSL-1.0
 //
 // A drive's parameters as a file's text, and back.
-#include <algorithm>
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
@@ -13,6 +12,7 @@
 #include <servobus/modbus/crc16.hpp>
 
 #include "../streams/messages.hpp"
+#include "../words/csv.hpp"
 #include "../words/numbers.hpp"
 #include "parameters.hpp"
 
@@ -105,20 +105,10 @@ class reader {
         return at != rows_by_name_.end() ? at->second : nullptr;
     }
 
-    // A text in quotes may have the sign of a remark, and no quote.
-    static std::string_view without_remark(std::string_view line) {
-        const std::size_t opening = line.find("=\"");
-        const std::size_t closing =
-            opening == line.npos ? 0 : std::min(line.find('"', opening + 2), line.size());
-        line = line.substr(0, line.find('#', closing));
-        while (line.ends_with(' ')) line.remove_suffix(1);
-        return line;
-    }
-
     // name=number # remark
     std::string row(std::string_view line) {
         const std::string place = "line " + std::to_string(number_) + ", ";
-        line = without_remark(line);
+        line = csv::without_remark(line);
         const std::size_t equals = line.find('=');
         if (equals == line.npos) return place + "'" + std::string{line} + "' is no name=number";
         const std::string name{line.substr(0, equals)};

@@ -43,6 +43,14 @@ std::string_view trimmed(std::string_view text) {
     return text.substr(first, text.find_last_not_of(" \t") - first + 1);
 }
 
+std::string_view without_remark(std::string_view line) {
+    const std::size_t equals = line.find('=');
+    const std::size_t opening = equals == line.npos ? line.npos : line.find_first_not_of(" \t", equals + 1);
+    const bool is_quoted = opening != line.npos && line[opening] == '"';
+    const std::size_t closing = is_quoted ? line.find('"', opening + 1) : 0;
+    return trimmed(line.substr(0, closing == line.npos ? closing : line.find('#', closing)));
+}
+
 std::vector<std::string_view> parts(std::string_view cell) {
     std::vector<std::string_view> all;
     while (true) {

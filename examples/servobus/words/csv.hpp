@@ -13,6 +13,9 @@ namespace tool::csv {
 /// `text` without blanks and tabs around it.
 std::string_view trimmed(std::string_view text);
 
+/// A line `name=value # remark` without the remark, and without blanks around it. A text in quotes may have a `#`.
+std::string_view without_remark(std::string_view line);
+
 /// The parts of a cell that `;` separates, without blanks around them.
 std::vector<std::string_view> parts(std::string_view cell);
 
