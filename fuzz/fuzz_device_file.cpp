@@ -14,6 +14,7 @@
 #include "../examples/servobus/device_file/device_form.cpp"
 #include "../examples/servobus/device_file/device_names.cpp"
 #include "../examples/servobus/device_file/device_profile.cpp"
+#include "../examples/servobus/device_file/device_range.cpp"
 #include "../examples/servobus/device_file/device_row.cpp"
 #include "../examples/servobus/device_file/device_unit.cpp"
 #include "../examples/servobus/device_file/map_text.cpp"

@@ -166,6 +166,7 @@ address,name,words,type,access,scale,unit,min,max,default,flags,names,word_order
 0x0003,exponent,,i16,ro,,,,,,,,,input,,,,,
 """
 VALUES_IN_CPP = [
+    "#include <servobus/registers/device_unit.hpp>\n",
     "#include <servobus/registers/value_forms.hpp>\n",
     ".writes_blocks_only = servobus::block_writes::all",
     "rw<servobus::f32> setpoint{0x0010, {-10, 50}, servobus::units::degree_celsius, 21}",

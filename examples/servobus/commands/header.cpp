@@ -45,6 +45,8 @@ std::string hex(std::uint32_t bits) {
     return text;
 }
 
+bool has_own_symbol(const entry& e) { return e.form != nullptr && e.form->symbol != nullptr; }
+
 // The library needs a header for rows that are more than integers of one or two registers.
 bool has_type_of_values(const entry& e) { return cpp::has_form(e) || (cpp::has_codes(e) && e.words() == 2); }
 
@@ -85,6 +87,7 @@ class header_text {
     void put_begin() {
         out_ = "// " + std::string{of_->facts().name} + ": its registers, made by `servobus header`.\n" +
                "#pragma once\n\n#include <cstdint>\n\n#include <servobus/registers/catalogue.hpp>\n" +
+               (any_row(has_own_symbol) ? "#include <servobus/registers/device_unit.hpp>\n" : "") +
                (has_unit_of_meters() ? "#include <servobus/registers/meter_units.hpp>\n" : "") +
                "#include <servobus/registers/tables.hpp>\n" +
                (any_row(has_type_of_values) ? "#include <servobus/registers/value_forms.hpp>\n" : "") +
@@ -163,7 +166,7 @@ class header_text {
 
     // The symbol of a unit of the device's own is in an object beside the entry.
     std::string with_symbol(const entry& e, const std::string& listed) {
-        if (e.form == nullptr || e.form->symbol == nullptr) return listed;
+        if (!has_own_symbol(e)) return listed;
         const std::string form = row_name(e) + "_form";
         out_ += "inline constexpr servobus::value_form " + form + " = servobus::form_with_symbol(" + listed +
                 ", " + cpp::literal(e.form->symbol) + ");\n";

@@ -12,6 +12,7 @@
 #include "../words/numbers.hpp"
 #include "device_form.hpp"
 #include "device_names.hpp"
+#include "device_range.hpp"
 #include "device_unit.hpp"
 
 namespace tool {
@@ -247,51 +248,8 @@ class row_reader {
         return why;
     }
 
-    const char* whole_number() const {
-        return is_float(row_->entry) ? "a whole number of its unit" : "a whole number of counts";
-    }
-
-    std::string range() {
-        const servobus::range whole = range_of_type(*row_);
-        const std::string_view low = cell(map_column::min);
-        const std::string_view high = cell(map_column::max);
-        row_->entry.limits = whole;
-        if (low.empty() && high.empty()) return {};
-        if (is_text(row_->entry)) return "a text has neither min nor max";
-        const std::optional<std::int64_t> least = parse_integer(low);
-        const std::optional<std::int64_t> most = parse_integer(high);
-        if (low.empty() || high.empty()) return "min and max are given both, or neither";
-        if (!least) return bad(map_column::min, whole_number());
-        if (!most) return bad(map_column::max, whole_number());
-        if (*least > *most)
-            return "the range is upside down: min " + std::to_string(*least) + ", max " +
-                   std::to_string(*most);
-        if (*least < whole.low || *most > whole.high)
-            return "the range " + std::to_string(*least) + " .. " + std::to_string(*most) +
-                   " is not inside " + type_name() + ", " + std::to_string(whole.low) + " .. " +
-                   std::to_string(whole.high);
-        row_->entry.limits = {*least, *most, true};
-        return {};
-    }
-
-    std::string initial() {
-        const std::string_view text = cell(map_column::initial);
-        entry& e = row_->entry;
-        e.initial = servobus::no_default;
-        const servobus::range within = e.limits;
-        if (has(e.flags, flag::zero_by_name) && !within.contains(0))
-            return "the flag zero_by_name is there, but 0 is outside the range";
-        if (text.empty()) return {};
-        if (is_text(e)) return "a text has no default";
-        const std::optional<std::int64_t> number = parse_integer(text);
-        if (!number) return bad(map_column::initial, whole_number());
-        if (!within.contains(*number))
-            return "default " + std::to_string(*number) + " is outside " + std::to_string(within.low) +
-                   " .. " + std::to_string(within.high);
-        e.initial = *number;
-        return {};
-    }
-
+    std::string range() { return parse_range(*cells_, *row_); }
+    std::string initial() { return parse_default(*cells_, *row_); }
     std::string names() { return parse_names_cell(cell(map_column::names), *row_); }
 
     std::string order() {
@@ -312,28 +270,6 @@ class row_reader {
 };
 
 } // namespace
-
-servobus::range range_of_type(const device_row& row) {
-    if (is_of_bits(row.table)) return {0, 1, false};
-    constexpr servobus::range all = servobus::full<std::int64_t>;
-    const entry& e = row.entry;
-    if (is_text(e) || is_float(e)) return all;
-    const unsigned width = width_of(e);
-    const auto below = [](unsigned bits) {
-        return static_cast<std::int64_t>((std::uint64_t{1} << bits) - 1);
-    };
-    servobus::range found{0, below(std::min(width, 63u)), false};
-    if (is_two_complement(e)) found = {-below(width - 1) - 1, below(width - 1), false};
-    if (is_sign_and_magnitude(e)) found = {-below(width - 1), below(width - 1), false};
-    if (is_bcd(e)) {
-        found.high = 1;
-        for (unsigned digit = 0; digit < width / 4; ++digit) found.high *= 10;
-        --found.high;
-    }
-    if (e.form == nullptr) return found;
-    return {servobus::detail::more(found.low, e.form->offset),
-            servobus::detail::more(found.high, e.form->offset), false};
-}
 
 std::string parse_row(const row_cells& cells, device_row& row) { return row_reader{cells, row}.read(); }
 

@@ -43,9 +43,6 @@ struct device_row {
     bool is_low_byte_first_usual = false; ///< the file's key `byte_order` is low
 };
 
-/// The range of a row's type, which its own range lies in.
-servobus::range range_of_type(const device_row& row);
-
 /// Reads the cells. Returns the reason why the row is refused; empty if it is not.
 std::string parse_row(const row_cells& cells, device_row& row);
 

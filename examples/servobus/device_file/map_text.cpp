@@ -209,7 +209,8 @@ std::string profile_lines(const servobus::profile& of) {
     put_key(lines, "corrupted_request", of.limits.corrupted_request);
     put_key(lines, "acknowledge", of.limits.acknowledge);
     put_key(lines, "echoes_byte_count", of.limits.echoes_byte_count ? "yes" : "no");
-    put_key(lines, "writes_blocks_only", std::string{names_of_block_writes[static_cast<unsigned>(of.writes_blocks_only)]});
+    put_key(lines, "writes_blocks_only",
+            std::string{names_of_block_writes[static_cast<unsigned>(of.writes_blocks_only)]});
     for (const servobus::exception_meaning& e : of.exceptions)
         put_key(lines, "exception_" + std::to_string(e.number), e.words);
     return lines;

@@ -181,8 +181,8 @@ std::uint8_t file_model::write(servobus::bytes pdu, servobus::table of) {
 // A device that takes blocks only has function 05 for words beside on and off.
 bool file_model::takes_function(servobus::bytes pdu, servobus::table of) const {
     if (rows_of(of).empty()) return false;
-    const bool is_refused =
-        (pdu[0] == 0x05 && facts_->refuses_function_05()) || (pdu[0] == 0x06 && facts_->refuses_function_06());
+    const bool is_refused = (pdu[0] == 0x05 && facts_->refuses_function_05()) ||
+                            (pdu[0] == 0x06 && facts_->refuses_function_06());
     if (!is_refused) return true;
     return is_of_bits(of) && pdu.size() == 5 &&
            is_named_word(servobus::load_word(pdu, 1), servobus::load_word(pdu, 3));

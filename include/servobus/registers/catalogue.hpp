@@ -202,18 +202,6 @@ constexpr entry list(label name, const reg<T, A, D>& row, naming names = naming:
     return e;
 }
 
-/// The form of an entry whose unit is the device's own, `measure::device_unit`, with its symbol.
-constexpr value_form form_with_symbol(const entry& e, const char* symbol) {
-    value_form form = e.form != nullptr ? *e.form : value_form{};
-    form.symbol = symbol;
-    return form;
-}
-/// The entry with this form, which has static lifetime.
-constexpr entry with_form(entry e, const value_form& form) {
-    e.form = &form;
-    return e;
-}
-
 /// The catalogue's entries of an array of rows. Their names are numbered from 1, as in the manuals:
 /// `list("position_segment_", speeds, "_speed")` begins with `position_segment_1_speed`.
 template <class Row, std::size_t Count>

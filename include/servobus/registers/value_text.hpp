@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Formats the words of any row of a catalogue as text, also those of floats, 64 bits, texts, parts of a register and
-// numbers with a scale in another row. All digits are exact; there is no floating point.
+// Formats the words of any row of a catalogue as text, also of floats, 64 bits, texts, and parts of a register. A
+// number may have a scale in another row. All digits are exact; there is no floating point.
 // explain/explain.hpp includes it; tools include it.
 //
 //     constexpr entry voltage{0, "voltage", value_kind::float_pair, access::ro, unstated, no_default,
