@@ -74,6 +74,10 @@ inline constexpr option write_options[] = {
     {"yes", "", "does not ask; without it standard input must say write"},
 };
 
+inline constexpr option send_options[] = {
+    {"yes", "", "does not ask; without it standard input must say send, unless the function is a read"},
+};
+
 inline constexpr option watch_options[] = {
     {"interval", "MS", "between two rounds (default 500)"},
     {"count", "N", "ends after N rounds; without it at Ctrl-C"},

@@ -73,6 +73,21 @@ constexpr command all_commands[] = {
      .shared = line_only,
      .run = write,
      .takes_raw = true},
+    {.name = "send",
+     .words = "PORT DEVICE[:NODE] BYTES...",
+     .summary = "any request, by its bytes",
+     .about =
+         "Sends a function code and its data, with address and CRC or the header of Modbus TCP, once. Prints "
+         "the response as it is on a serial line, in hex, then in words as explain does. Status 1 for an "
+         "exception and for no response. A function that the standard knows as a read is sent at once; of "
+         "every other one send says so and asks first. The response to a function that the standard does not "
+         "have ends where the line is silent. Where a response repeats its request, a read of one register "
+         "shows whether it was an echo: --retries is for that read, and --echo off says that there is "
+         "none.",
+     .options = send_options,
+     .shared = line_only,
+     .run = send,
+     .takes_raw = true},
     {.name = "watch",
      .words = "PORT DEVICE[:NODE] REG...",
      .summary = "registers, again and again",

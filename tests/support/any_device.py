@@ -48,10 +48,13 @@ class Device:
         self.is_pulled_by_write = False  # a terminal ends in place of the response
         self.identification: dict[int, list[bytes]] = {}  # by kind, the parts of function 2Bh after its kind
         self.server_id = b""
+        self.own: dict[bytes, bytes] = {}  # functions of its own: the response to a PDU; empty: it says nothing
 
     def response_to(self, pdu: bytes) -> bytes:
         self.requests.append(pdu)
         self.began.append(time.monotonic())
+        if pdu in self.own:
+            return self.own[pdu]
         code = pdu[0]
         tables = {1: self.coils, 2: self.inputs, 3: self.holding, 4: self.input_registers}
         if code in tables:
@@ -94,7 +97,7 @@ def size_of_request(begun: bytes) -> int:
         return 8
     if begun[1] in (15, 16):
         return 9 + begun[6] if len(begun) > 6 else 9
-    return {17: 4, 43: 7}.get(begun[1], 8)
+    return {17: 4, 43: 7, 0x42: 4}.get(begun[1], 8)
 
 
 @contextmanager

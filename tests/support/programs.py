@@ -115,7 +115,7 @@ def piped(text: str) -> int:
 
 # Milliseconds that the tool waits for a response, unless a test says how long: longer than a drive takes, since a busy
 # machine is no drive that does not respond. A scan asks many addresses that no drive has.
-PATIENT = {"scan": "500", "read": "2000", "write": "2000", "watch": "2000", "backup": "2000", "restore": "2000",
+PATIENT = {"scan": "500", "read": "2000", "write": "2000", "send": "2000", "watch": "2000", "backup": "2000", "restore": "2000",
            "doctor": "2000"}
 
 

@@ -16,6 +16,7 @@ int read(const arguments& asked);
 int write(const arguments& asked);
 int scan(const arguments& asked);
 int watch(const arguments& asked);
+int send(const arguments& asked);
 int alarms(const arguments& asked);
 int backup(const arguments& asked);
 int restore(const arguments& asked);

@@ -165,7 +165,8 @@ answer word_of(const command& of, std::span<const std::string> before, std::stri
         return registers(device_of(before[1]), begun, is_write ? register_use::write : register_use::read,
                          before.subspan(2));
     }
-    return {.candidates = {std::string{place}}};
+    const bool is_itself = place.front() >= 'a' && place.front() <= 'z';
+    return is_itself ? answer{.candidates = {std::string{place}}} : answer{};
 }
 
 answer options_of(const command& of, std::span<const std::string> given) {

@@ -16,8 +16,8 @@ constinit const std::string_view exit_status = "0 done; 1 refused, unknown, no r
 std::span<const topic> topics() {
     static constexpr topic all[] = {
         {"DEVICE",
-         "zlac8015d, yako-closed-loop, yako-open-loop or c630s; for read, write, watch, listen and "
-         "explain also "
+         "zlac8015d, yako-closed-loop, yako-open-loop or c630s; for read, write, send, watch, listen "
+         "and explain also "
          "raw: any device, without a map.\n\nA word with .csv or / is the path of a file that "
          "describes a device: "
          "what map prints, with its registers, and lines \"# key = value\" in front as map "
@@ -27,6 +27,10 @@ std::span<const topic> topics() {
          "line, and nothing is sent. Where the file has no column flags, write asks before every "
          "write, and restore "
          "is refused; so it is if a row has the flag motion, or the word stopped in the column when."},
+        {"BYTES",
+         "a function code and its data in hexadecimal, two digits a byte, with blanks or without: 42, "
+         "or 03 20 A1 00 01, or 0320A10001. At most 253 bytes. A request of the standard has its "
+         "length."},
         {"NODE", "the address on the line; from the factory 1. If it is not given: 1; for explain and "
                  "listen, all that are not named. raw:0 and raw:255 are units of Modbus TCP: the device or "
                  "the gateway "
