@@ -105,7 +105,10 @@ void writes(modbus_t* own, std::FILE* notes) {
 void server_id(modbus_t* own) {
     std::uint8_t id[64]{};
     const int size = modbus_report_slave_id(own, sizeof id, id);
-    check(size == 7 && std::string(id, id + 6) == "tables" && id[6] == 0xFF, "libmodbus reads the ID by 11h");
+    const bool is_whole = size == 14;
+    check(is_whole && std::string(id, id + 6) == "tables" && id[6] == 0xFF, "libmodbus reads the ID by 11h");
+    check(is_whole && std::string(id + 7, id + 14) == "T17 1.0",
+          "libmodbus reads the additional data by 11h");
 }
 
 } // namespace

@@ -18,6 +18,7 @@ namespace {
 constexpr identity about[]{
     {0, "Interop works"}, {1, "T-17"}, {2, "1.0"}, {4, "Four tables"}, {0x80, "its own"}};
 constexpr char id[] = "tables";
+constexpr char version[] = "T17 1.0"; // the additional data
 
 template <class Values> class reported {
   public:
@@ -64,7 +65,7 @@ int serve(const char* link, std::integer_sequence<unsigned, Words...> words,
     (values.template set<interop::coil<Coils>>(interop::initial_bit(interop::first_coil + Coils)), ...);
     (values.template set<interop::input<Inputs>>(interop::initial_bit(interop::first_input + Inputs)), ...);
     host_row_server<posix::pseudo_terminal, values_type, with_mask_write, with_read_write,
-                    with_return_query_data, with_identification<about>, with_server_id<id>>
+                    with_return_query_data, with_identification<about>, with_server_id<id, version>>
         server{port, values, interop::node_address, modbus::timing_at(interop::baud)};
     while (true) {
         port.wait(server.is_answering() ? microseconds(200) : milliseconds(5));

@@ -217,4 +217,23 @@ constexpr result<bytes> parse_server_id(bytes pdu) {
     return pdu.subspan(2);
 }
 
+/// A server's ID, and what else it tells.
+struct server_id {
+    bytes id{};
+    bool is_running = false; ///< the run indicator
+    bytes additional{};      ///< of the device's own; may be empty
+};
+
+/// The same in its parts, for a device whose ID has `id_size` bytes: most have one.
+/// Errors: also `wrong_byte_count` (no place for a run indicator after the ID), `unexpected_value` (a run indicator
+/// that is neither 00 nor FF).
+constexpr result<server_id> parse_server_id(bytes pdu, std::size_t id_size) {
+    const result<bytes> all = parse_server_id(pdu);
+    if (!all) return all.status();
+    if (all->size() <= id_size) return errc::wrong_byte_count;
+    const std::uint8_t indicator = (*all)[id_size];
+    if (indicator != 0 && indicator != 0xFF) return errc::unexpected_value;
+    return server_id{all->first(id_size), indicator != 0, all->subspan(id_size + 1)};
+}
+
 } // namespace servobus::modbus

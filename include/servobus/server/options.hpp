@@ -59,11 +59,20 @@ template <const auto& Objects> struct with_identification {
     static_assert(is_in_order, "an identification has objects 0, 1 and 2, and its objects ascend");
 };
 
-/// Function 11h: the device's ID, an array of characters, and a run indicator that is on.
-template <const auto& Text> struct with_server_id {
+namespace detail {
+inline constexpr char no_data[] = "";
+}
+
+/// Function 11h: the device's ID, an array of characters, a run indicator that is on, and additional data of the
+/// device's own, another such array. Either may have zeros inside, as binary data has: "\x02\0\x01".
+template <const auto& Text, const auto& Additional = detail::no_data> struct with_server_id {
     static constexpr const char* text() { return &Text[0]; }
     static constexpr std::size_t size = sizeof Text - 1;
+    static constexpr const char* additional() { return &Additional[0]; }
+    static constexpr std::size_t additional_size = sizeof Additional - 1;
     static_assert(size >= 1 && size <= 250, "a server's ID has 1 to 250 characters");
+    static_assert(size + additional_size <= 250,
+                  "a server's ID and its additional data have at most 250 characters");
 };
 
 /// The engine of the CRC of a `row_server`.
@@ -94,7 +103,7 @@ template <> inline constexpr unsigned option_number<with_mask_write> = 1;
 template <> inline constexpr unsigned option_number<with_read_write> = 2;
 template <> inline constexpr unsigned option_number<with_return_query_data> = 3;
 template <const auto& O> inline constexpr unsigned option_number<with_identification<O>> = 4;
-template <const auto& T> inline constexpr unsigned option_number<with_server_id<T>> = 5;
+template <const auto& T, const auto& A> inline constexpr unsigned option_number<with_server_id<T, A>> = 5;
 template <class H> inline constexpr unsigned option_number<with_hooks<H>> = 6;
 template <class C> inline constexpr unsigned option_number<with_crc<C>> = 7;
 template <std::uint8_t N> inline constexpr unsigned option_number<with_leading_bytes<N>> = 8;
@@ -132,8 +141,9 @@ template <class Other, class... Others>
 struct identification_among<Other, Others...> : identification_among<Others...> {};
 
 template <class... Options> struct server_id_among { using type = void; };
-template <const auto& T, class... Others> struct server_id_among<with_server_id<T>, Others...> {
-    using type = with_server_id<T>;
+template <const auto& T, const auto& A, class... Others>
+struct server_id_among<with_server_id<T, A>, Others...> {
+    using type = with_server_id<T, A>;
 };
 template <class Other, class... Others>
 struct server_id_among<Other, Others...> : server_id_among<Others...> {};

@@ -79,7 +79,8 @@ template <class Values, class... Options> class request_executor {
     static constexpr std::size_t longest_response = [] {
         std::size_t most = larger(2 + larger(longest_read, longest_bits_read), 7);
         if constexpr (!std::is_void_v<objects>) most = larger(most, detail::least_room<objects>());
-        if constexpr (!std::is_void_v<server_id>) most = larger(most, server_id::size + 3);
+        if constexpr (!std::is_void_v<server_id>)
+            most = larger(most, server_id::size + 3 + server_id::additional_size);
         return most;
     }();
     /// The smallest buffer, in bytes.

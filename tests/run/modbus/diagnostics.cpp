@@ -212,6 +212,16 @@ TEST_CASE("the parts of diagnostic responses are those of the PDU") {
     CHECK(parse_event_log(hex("0C 06 FF FF 01 08 01 21"))->is_busy);
     const auto id = hex("11 03 42 FF 01");
     CHECK(same_bytes(*parse_server_id(id), hex("42 FF 01")));
+    const auto parts = parse_server_id(id, 1);
+    REQUIRE(parts);
+    CHECK(
+        (same_bytes(parts->id, hex("42")) && parts->is_running && same_bytes(parts->additional, hex("01"))));
+    CHECK_FALSE(parse_server_id(hex("11 02 42 00"), 1)->is_running);
+    CHECK(parse_server_id(hex("11 02 42 00"), 1)->additional.empty());
+    CHECK(parse_server_id(hex("11 02 42 00"), 2).error() == errc::wrong_byte_count);
+    CHECK(parse_server_id(hex("11 02 42 00"), 200).error() == errc::wrong_byte_count);
+    CHECK(parse_server_id(hex("11 03 42 01 FF"), 1).error() == errc::unexpected_value);
+    CHECK(parse_server_id(hex("91 01"), 1).exception() == 1);
     const auto queue = hex("18 00 06 00 02 01 B8 12 84");
     const auto words = parse_fifo_response(queue);
     REQUIRE(words);

@@ -162,6 +162,20 @@ static_assert(!detail::has_each_once<with_leading_bytes<3>, with_return_query_da
 constexpr char longest_id[251]{'x'};
 static_assert(with_server_id<longest_id>::size == 250);
 static_assert(request_executor<only_inputs, with_server_id<long_id>>::longest_response == 70 + 3);
+// An ID of one byte, as libmodbus has, and data with a zero inside.
+constexpr char one_byte[] = "\xB4";
+constexpr char version[] = "T17\0\x02";
+using numbered = request_executor<only_inputs, with_server_id<one_byte, version>>;
+static_assert(numbered::longest_response == 3 + 1 + 5 && numbered::buffer_size == 9);
+static_assert(request_executor<only_inputs, with_server_id<long_id, version>>::longest_response ==
+              70 + 3 + 5);
+static_assert(with_server_id<long_id>::additional_size == 0);
+constexpr bool reports_additional_data() {
+    only_inputs v;
+    return responds<numbered>(v, hex("11"), hex("11 07 B4 FF 54 31 37 00 02")) &&
+           responds<numbered>(v, hex("11 00"), hex("91 03"));
+}
+static_assert(reports_additional_data());
 static_assert(request_executor<only_inputs, with_identification<served_rows::about>>::longest_response ==
               7 + 2 + 16);
 static_assert(request_executor<only_inputs>::buffer_size == 7);

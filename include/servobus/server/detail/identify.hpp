@@ -72,8 +72,10 @@ template <class Objects>
 /// Function 11h. Returns 0.
 template <class Id> constexpr unsigned report(std::uint8_t* p) {
     constexpr std::uint8_t is_running = 0xFF;
-    p[1] = static_cast<std::uint8_t>(Id::size + 1);
-    *put_text(p + 2, Id::text(), Id::size) = is_running;
+    p[1] = static_cast<std::uint8_t>(Id::size + 1 + Id::additional_size);
+    std::uint8_t* const indicator = put_text(p + 2, Id::text(), Id::size);
+    *indicator = is_running;
+    if constexpr (Id::additional_size != 0) put_text(indicator + 1, Id::additional(), Id::additional_size);
     return 0;
 }
 
