@@ -18,8 +18,10 @@ using namespace servobus;
 using namespace servobus::units;
 
 template <word_order Order, bool Blocks = false> struct device {
-    static constexpr profile facts{
-        .name = "every_value", .word_order = Order, .baud = 115200, .writes_blocks_only = Blocks ? block_writes::all : block_writes::none};
+    static constexpr profile facts{.name = "every_value",
+                                   .word_order = Order,
+                                   .baud = 115200,
+                                   .writes_blocks_only = Blocks ? block_writes::all : block_writes::none};
 };
 enum class phase : std::uint32_t { idle = 1, heating = 0x0001'0002 };
 enum class mode : std::uint16_t { off, on, automatic };

@@ -28,7 +28,7 @@ class one_request {
     /// Errors: those of `client::transact` with a rule; `own_echo` if it does not.
     servobus::result<servobus::bytes> transact(servobus::bytes pdu, servobus::byte_buffer room);
 
-    /// What went wrong, in the device's words.
+    /// The error of a status, in the device's words.
     std::string why_text(servobus::status why) const;
 
   private:

@@ -217,8 +217,8 @@ class session {
     any_port port_;
     std::string name_{}; ///< of the port
     serial_settings settings_;
-    bool has_timeout_ = false;   ///< one was given
-    bool has_no_echo_ = false;   ///< the command line says so, and the device may not answer reads
+    bool has_timeout_ = false;    ///< one was given
+    bool has_no_echo_ = false;    ///< the command line says so, and the device may not answer reads
     bool has_function_05_ = true; ///< else a single coil is written by 0Fh
     bool has_function_06_ = true; ///< else a single register is written by 10h
     bool is_tcp_ = false;

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Plans reads of several rows where not all are holding registers, at compile time: the rows of each table are sorted
-// and merged into the fewest requests, and no request covers an address that was not asked for. registers/tables.hpp
+// Plans reads of several rows of any tables and types of values, at compile time. The rows of each table are sorted and
+// merged into the fewest requests. No request covers an address that was not asked for. registers/tables.hpp
 // includes it; programs include it to inspect a plan.
 //
 //     // a coil, two input registers

@@ -1,9 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Values that are no integers of one or two registers, as rows: floating-point numbers, 64 bits, text, decimal digits,
-// parts of a register, offsets, codes that mean "no value", scales in other rows. The header of a device with such rows
-// includes it; a program includes any_value.hpp.
+// Rows of the value types in registers/value_types.hpp: their readings, and the values that are written to them. The
+// header of a device with such rows includes it; a program includes any_value.hpp.
 //
 //     inline constexpr reg<f32, access::rw, oven> target{0x0010, {-20, 400}, units::degree_celsius, 21};
 //     constexpr register_value<oven::target> warm = 215.5f; // 401 and a NaN do not compile

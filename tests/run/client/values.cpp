@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Reads and writes of each type of value, blocking and stepped, in both word orders, against a model of the device that
-// shares nothing with the library.
+// Reads and writes of each type of value, blocking and stepped, in both word orders. The model of the device shares
+// nothing with the library.
 #include <doctest/doctest.h>
 
 #include <cmath>

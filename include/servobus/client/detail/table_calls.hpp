@@ -258,8 +258,7 @@ template <class Line, device_class Device, class Node> struct table_calls<client
     template <std::uint8_t Code, u16 Address, u16 Quantity>
     static constexpr short_request constant_request = request_for(Node::address, Code, Address, Quantity);
 
-    template <bool IsBroadcast = false>
-    static constexpr status write_bit(own& of, u16 address, bool is_on) {
+    template <bool IsBroadcast = false> static constexpr status write_bit(own& of, u16 address, bool is_on) {
         if constexpr (Device::facts.refuses_function_05()) {
             std::uint8_t frame[10];
             frame[7] = is_on ? 1 : 0;
