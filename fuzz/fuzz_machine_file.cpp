@@ -16,10 +16,12 @@
 #include <servobus/device/yako/closed_loop_catalogue.hpp>
 
 #include "../examples/servobus/device_file/map_text.cpp"
+#include "../examples/servobus/devices/row_words.cpp"
 #include "../examples/servobus/interpretations/findings_file.cpp"
 #include "../examples/servobus/machine/machine_file.cpp"
+#include "../examples/servobus/registers/chosen.cpp"
 #include "../examples/servobus/registers/raw.cpp"
-#include "../examples/servobus/registers/values.cpp"
+#include "../examples/servobus/registers/written_value.cpp"
 #include "../examples/servobus/words/csv.cpp"
 #include "../examples/servobus/words/line_settings.cpp"
 #include "../examples/servobus/words/nearest.cpp"
@@ -76,7 +78,7 @@ std::string plain(const tool::machine_file& file) {
             text += " baud=" + std::to_string(s.baud) + " character_format=" + servobus::text(s.format);
         text += '\n';
         for (const tool::machine_line& l : s.lines) {
-            const auto bits = static_cast<std::uint32_t>(static_cast<std::uint64_t>(l.number));
+            const auto bits = static_cast<std::uint32_t>(bits_of_words(*l.row, l.words));
             char hex[16];
             (void)std::snprintf(hex, sizeof hex, l.row->words() == 1 ? "0x%04X" : "0x%08X",
                                 static_cast<unsigned>(l.row->words() == 1 ? bits & 0xFFFFu : bits));
@@ -99,22 +101,23 @@ void judge_section(const tool::machine_section& s, const tool::machine_file& fil
     for (const tool::machine_line& l : s.lines) {
         const auto& rows = s.kind->map->entries;
         require(l.row >= &rows.front() && l.row <= &rows.back(), "a row is one of its drive");
-        require(l.row->limits.contains(l.number), "a value is in the range of its row");
+        require(l.row->limits.contains(tool::number_of(*l.row, l.words)),
+                "a value is in the range of its row");
         require(l.row->rights != servobus::access::wo, "what cannot be read is no parameter");
         require(l.is_required || l.row->rights == servobus::access::rw, "what is set can be written");
         require(!has(l.row->flags, servobus::flag::trigger) && !has(l.row->flags, servobus::flag::motion),
                 "a parameter does not act");
         require(std::ranges::count(s.lines, l.row, &tool::machine_line::row) == 1, "a row is there once");
         for (const tool::machine_line& other : s.lines)
-            require(&other == &l || s.kind->excludes == nullptr || l.number == 0 ||
-                        l.number != other.number || !excludes(l.row->address, other.row->address),
+            require(&other == &l || s.kind->excludes == nullptr || tool::number_of(*l.row, l.words) == 0 ||
+                        l.words != other.words || !excludes(l.row->address, other.row->address),
                     "a function is at one input");
     }
 }
 
 bool is_same(const tool::machine_file& a, const tool::machine_file& b) {
     const auto same_line = [](const tool::machine_line& x, const tool::machine_line& y) {
-        return x.row == y.row && x.number == y.number && x.is_required == y.is_required;
+        return x.row == y.row && x.words == y.words && x.is_required == y.is_required;
     };
     return std::ranges::equal(a.sections(), b.sections(), [&](const auto& x, const auto& y) {
         return x.name == y.name && x.kind == y.kind && x.node == y.node && x.baud == y.baud &&
