@@ -153,7 +153,7 @@ address,name,words,type,access,scale,unit,min,max,default,flags,names,word_order
 0x0046,ac_power,,i32,ro,,W,,,,,,,,,,0x80000000,,
 0x0048,daily,,u32,ro,0.1,kWh,,,,,,low,,,,,,
 0x0050,power,,i16,ro,,W,,,,,,,,,,0x8000,10^power_exponent,
-0x0051,power_exponent,,i16,ro,,,,,,,,,,,,,,
+0x0051,power_exponent,,i16,ro,,,,,,,,,,,,0x8000,,
 0x0052,current,,u16,ro,0.001,A,,,,,,,,,,,ct_ratio,
 0x0053,ct_ratio,,u16,rw,,times,1,1000,1,,,,,,,,,
 0x0054,swapped,,f32,ro,,V,,,,,,low,,,,,,low
@@ -316,9 +316,10 @@ def values_come_back(tool: Tool):
 
 @scene()
 def refused(tool: Tool):
-    tool.write("scaled.csv", "address,name,type,none,factor\n1,power,i16,,10^power_sf\n2,power_sf,i16,0x8000,\n")
-    tool.fails("a scale that the library does not take", "header scaled.csv", 2, "scaled.csv: power_sf scales power; in a "
-               "header such a row is u16, i16, u32 or i32, without other columns")
+    for cells in ("bcd16,,,", "u16,0.1,times,", "u16,,,1=x"):
+        tool.write("scaled.csv", f"address,name,factor,type,scale,unit,names\n1,power,ratio,i16,,,\n2,ratio,,{cells}\n")
+        tool.fails(f"a scale that the library does not take, {cells}", "header scaled.csv", 2, "scaled.csv: ratio scales power; "
+                   "in a header such a row is u16, i16, u32 or i32, without names and a scale of its own")
     tool.write("bad.csv", "address,name\n1,a b\n")
     tool.fails("a bad file", "header bad.csv", 2, "bad.csv:2: the name 'a b' is no letter")
     tool.fails("no device", "header", 2, "header takes one DEVICE")

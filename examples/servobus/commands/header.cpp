@@ -228,7 +228,7 @@ class header_text {
 } // namespace
 } // namespace header_file
 
-// The library scales by plain integers. The first row that another kind of row scales; null if there is none.
+// The library scales by integers without a scale of their own. The first row that another kind of row scales; null if there is none.
 static const servobus::entry* find_unusual_scale(const device& of) {
     for (const servobus::table t : all_tables) {
         for (const servobus::entry& e : of.rows_of(t)) {
@@ -236,7 +236,9 @@ static const servobus::entry* find_unusual_scale(const device& of) {
             if (by == nullptr) continue;
             const servobus::unit u = by->unit_of_count;
             const bool is_ratio = u == servobus::unit{} || u == servobus::unit{servobus::measure::times};
-            if (cpp::has_form(*by) || !is_ratio) return &e;
+            const bool is_integer = by->kind <= servobus::value_kind::signed_pair;
+            const bool is_enumeration = cpp::has_codes(*by) && !by->is_signed();
+            if (!is_integer || is_enumeration || !is_ratio) return &e;
         }
     }
     return nullptr;
@@ -247,9 +249,11 @@ int header(const arguments& asked) {
     const device* of = find_device(asked.words()[0]);
     if (of == nullptr) return usage;
     if (const servobus::entry* const e = find_unusual_scale(*of)) {
-        return complain(usage, of->word() + ": " + static_cast<const char*>(of->scaling_row(*e)->name) +
-                                   " scales " + static_cast<const char*>(e->name) +
-                                   "; in a header such a row is u16, i16, u32 or i32, without other columns");
+        return complain(
+            usage,
+            of->word() + ": " + static_cast<const char*>(of->scaling_row(*e)->name) + " scales " +
+                static_cast<const char*>(e->name) +
+                "; in a header such a row is u16, i16, u32 or i32, without names and a scale of its own");
     }
     (void)std::fputs(header_file::header_text{*of}.whole().c_str(), stdout);
     return done;
