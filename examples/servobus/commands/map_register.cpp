@@ -130,7 +130,7 @@ std::string note_text(const device& of, const entry& e) {
     return notes;
 }
 
-// What the columns after `table` say.
+// Prints the columns after `table`.
 void print_form(const device& of, const entry& e) {
     if (e.form == nullptr) return;
     const servobus::value_form& f = *e.form;

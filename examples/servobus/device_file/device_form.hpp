@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// What a row of a device file says of its value besides type, scale and unit: the cells `bits`, `offset`, `none`,
+// The form of a value besides type, scale and unit, from a row of a device file: the cells `bits`, `offset`, `none`,
 // `factor` and `byte_order`, and the `words` of a text.
 #pragma once
 
