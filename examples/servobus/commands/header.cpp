@@ -228,8 +228,8 @@ class header_text {
 } // namespace
 } // namespace header_file
 
-// Returns the first row that is scaled by a row of a kind that the library does not scale by; null if there is none. The
-// library scales by integers without a scale of their own.
+// Returns the first row that is scaled by a row of a kind that the library does not scale by; null if there is none.
+// The library scales by integers without a scale of their own.
 static const servobus::entry* find_unusual_scale(const device& of) {
     for (const servobus::table t : all_tables) {
         for (const servobus::entry& e : of.rows_of(t)) {
