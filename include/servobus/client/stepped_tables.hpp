@@ -200,6 +200,119 @@ requires(is_register_array<Rows>&& has_bits<Rows>) class stepped_put<Client, Wea
     std::uint8_t frame_[base::coil_room];
 };
 
+/// A value whose words the codec makes.
+template <class Client, bool Wears, const auto& R>
+requires(is_register<R>&& needs_words<R>) class stepped_put<Client, Wears, R>
+    : public stepped_table_request<typename Client::link_type> {
+    using base = stepped_table_request<typename Client::link_type>;
+    using row = row_type<R>;
+    static_assert(belongs_to<typename row::device, typename Client::device>,
+                  "this register belongs to another device");
+    static constexpr bool asks_first = has(R.flags, flag::communication);
+
+  public:
+    // cppcheck-suppress uninitMemberVar ; a request fills it, and a small core has no memset
+    constexpr explicit stepped_put(Client& of) : base{base::link_of(of)} {}
+
+    constexpr status begin(register_value<R> value) { ///< as of one register
+        static_assert(Wears || !has(R.flags, flag::saved_on_write),
+                      "every write of this register wears the drive's EEPROM: stepped_store it");
+        check_whole<register_value<R>>();
+        if (!base::done()) return errc::busy;
+        if (value.error() != errc::ok) return base::refused(value.error());
+        change_ = base::template change_of<is_cached>(true);
+        return base::template begin_words<row::words>(frame_, R.address, value, {}, asks_first);
+    }
+    constexpr duration step() { return base::move_on_and_note(frame_, change_); } ///< as of one register
+
+  private:
+    static constexpr bool is_cached = Client::link_type::template are_cached<R>;
+    [[no_unique_address]] change_note<is_cached> change_{};
+    std::uint8_t frame_[base::write_room(row::words, asks_first)];
+};
+
+template <class Client, bool Wears, const auto& Rows>
+requires(is_register_array<Rows>&& needs_words<Rows>) class stepped_put<Client, Wears, Rows>
+    : public stepped_table_request<typename Client::link_type> {
+    using base = stepped_table_request<typename Client::link_type>;
+    using rows = row_type<Rows>;
+    static_assert(belongs_to<typename rows::device, typename Client::device>,
+                  "this register belongs to another device");
+
+  public:
+    // cppcheck-suppress uninitMemberVar ; a request fills it, and a small core has no memset
+    constexpr explicit stepped_put(Client& of) : base{base::link_of(of)} {}
+
+    /// Begins to write element `index`. Errors: as of one register; `bad_argument` if there is none.
+    constexpr status begin(std::size_t index, register_value<at<Rows, 0>> value) {
+        static_assert(Wears || !has(at<Rows, 0>.flags, flag::saved_on_write),
+                      "every write of this register wears the drive's EEPROM: stepped_store it");
+        check_whole<register_value<at<Rows, 0>>>();
+        if (!base::done()) return errc::busy;
+        if (index >= rows::size) return base::refused(errc::bad_argument);
+        if (value.error() != errc::ok) return base::refused(value.error());
+        if constexpr (is_cached) change_ = {Client::link_type::is_cached(Rows[index].address, rows::words)};
+        return base::template begin_words<rows::words>(frame_, Rows[index].address, value, {}, false);
+    }
+    constexpr duration step() { return base::move_on_and_note(frame_, change_); } ///< as of one register
+
+  private:
+    static constexpr bool is_cached = Client::link_type::template has_cached_element<Rows>;
+    [[no_unique_address]] change_note<is_cached> change_{};
+    std::uint8_t frame_[base::write_room(rows::words, false)];
+};
+
+/// Adjacent registers with such a value among them.
+template <class Client, bool Wears, const auto&... Rs>
+requires(sizeof...(Rs) > 1 && !(is_bit<Rs> || ...) &&
+         (needs_words<Rs> || ...)) class stepped_put<Client, Wears, Rs...>
+    : public stepped_table_request<typename Client::link_type> {
+    using base = stepped_table_request<typename Client::link_type>;
+    using plan = write_plan<Rs...>;
+    static_assert((belongs_to<typename row_type<Rs>::device, typename Client::device> && ...),
+                  "this register belongs to another device");
+
+  public:
+    // cppcheck-suppress uninitMemberVar ; a request fills it, and a small core has no memset
+    constexpr explicit stepped_put(Client& of) : base{base::link_of(of)} { plan::check(); }
+
+    /// Begins to write adjacent registers in one frame: all or nothing. Errors: as of one register.
+    constexpr status begin(register_value<Rs>... values) {
+        static_assert(Wears || !(has(Rs.flags, flag::saved_on_write) || ...),
+                      "every write of this register wears the drive's EEPROM: stepped_store it");
+        if (!base::done()) return errc::busy;
+        typename base::condition on;
+        word_order order = word_order::high_first;
+        if constexpr ((needs_word_order<Rs>() || ...)) {
+            order = base::current_order();
+            if (order == word_order::unknown) return base::refused(errc::needs_word_order);
+            on.use(order);
+        }
+        std::size_t used = 7;
+        errc wrong = errc::ok;
+        const auto put = [&](const auto& value, std::size_t words) {
+            if (value.error() != errc::ok && wrong == errc::ok) wrong = value.error();
+            if constexpr (stores_words<decltype(value)>) {
+                check_whole<std::remove_cvref_t<decltype(value)>>();
+                value.store({frame_, sizeof frame_}, used, order);
+                used += 2 * words;
+            } else {
+                used += base::store_value({frame_, sizeof frame_}, used, value.bits(), words, order);
+            }
+        };
+        (put(values, row_type<Rs>::words), ...);
+        if (wrong != errc::ok) return base::refused(wrong);
+        change_ = base::template change_of<is_cached>(true);
+        return base::begin_block(frame_, plan::words, plan::rows[0].address, on);
+    }
+    constexpr duration step() { return base::move_on_and_note(frame_, change_); } ///< as of one register
+
+  private:
+    static constexpr bool is_cached = Client::link_type::template are_cached<Rs...>;
+    [[no_unique_address]] change_note<is_cached> change_{};
+    std::uint8_t frame_[9 + 2 * plan::words];
+};
+
 template <class Client, bool Wears, const auto&... Rs>
 requires(sizeof...(Rs) > 1 && (is_bit<Rs> || ...)) class stepped_put<Client, Wears, Rs...>
     : public stepped_table_request<typename Client::link_type> {

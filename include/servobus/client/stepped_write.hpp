@@ -12,7 +12,6 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <type_traits>
 
 #include <servobus/client/client.hpp>
 #include <servobus/client/detail/stepped_request.hpp>
@@ -26,8 +25,8 @@ template <class Client, bool Wears, const auto&... Rs> class stepped_put {
 };
 
 template <class Client, bool Wears, const auto& R>
-requires is_register<R>
-class stepped_put<Client, Wears, R> : public stepped_request<typename Client::link_type> {
+requires(is_register<R> && !needs_words<R>) class stepped_put<Client, Wears, R>
+    : public stepped_request<typename Client::link_type> {
     using base = stepped_request<typename Client::link_type>;
     using row = row_type<R>;
     static_assert(belongs_to<typename row::device, typename Client::device>,
@@ -59,13 +58,8 @@ class stepped_put<Client, Wears, R> : public stepped_request<typename Client::li
         if (!base::done()) return errc::busy;
         if (value.error() != errc::ok) return base::refused(value.error());
         change_ = base::template change_of<is_cached>(true);
-        constexpr bool asks_first = has(R.flags, flag::communication);
-        if constexpr (takes_words<typename row::value_type>) {
-            check_whole<register_value<R>>();
-            return base::template begin_words<row::words>(frame_, R.address, value, on, asks_first);
-        } else {
-            return base::template begin_value<row::words>(frame_, R.address, value.bits(), on, asks_first);
-        }
+        return base::template begin_value<row::words>(frame_, R.address, value.bits(), on,
+                                                      has(R.flags, flag::communication));
     }
 
     static constexpr bool is_cached = Client::link_type::template are_cached<R>;
@@ -74,7 +68,8 @@ class stepped_put<Client, Wears, R> : public stepped_request<typename Client::li
 };
 
 template <class Client, bool Wears, const auto& Rows>
-requires(is_register_array<Rows> && !has_bits<Rows>) class stepped_put<Client, Wears, Rows>
+requires(is_register_array<Rows> && !has_bits<Rows> &&
+         !needs_words<Rows>) class stepped_put<Client, Wears, Rows>
     : public stepped_request<typename Client::link_type> {
     using base = stepped_request<typename Client::link_type>;
     using rows = row_type<Rows>;
@@ -105,13 +100,7 @@ requires(is_register_array<Rows> && !has_bits<Rows>) class stepped_put<Client, W
         if (index >= rows::size) return base::refused(errc::bad_argument);
         if (value.error() != errc::ok) return base::refused(value.error());
         if constexpr (is_cached) change_ = {Client::link_type::is_cached(Rows[index].address, rows::words)};
-        const u16 address = Rows[index].address;
-        if constexpr (takes_words<typename rows::value_type>) {
-            check_whole<register_value<at<Rows, 0>>>();
-            return base::template begin_words<rows::words>(frame_, address, value, on, false);
-        } else {
-            return base::template begin_value<rows::words>(frame_, address, value.bits(), on, false);
-        }
+        return base::template begin_value<rows::words>(frame_, Rows[index].address, value.bits(), on, false);
     }
 
     static constexpr bool is_cached = Client::link_type::template has_cached_element<Rows>;
@@ -120,7 +109,8 @@ requires(is_register_array<Rows> && !has_bits<Rows>) class stepped_put<Client, W
 };
 
 template <class Client, bool Wears, const auto&... Rs>
-requires(sizeof...(Rs) > 1 && !(is_bit<Rs> || ...)) class stepped_put<Client, Wears, Rs...>
+requires(sizeof...(Rs) > 1 &&
+         !((is_bit<Rs> || needs_words<Rs>) || ...)) class stepped_put<Client, Wears, Rs...>
     : public stepped_request<typename Client::link_type> {
     using base = stepped_request<typename Client::link_type>;
     using plan = write_plan<Rs...>;
@@ -137,24 +127,16 @@ requires(sizeof...(Rs) > 1 && !(is_bit<Rs> || ...)) class stepped_put<Client, We
         if (!base::done()) return errc::busy;
         typename base::condition on;
         word_order order = word_order::unknown;
-        if constexpr (((row_type<Rs>::words > 1) || ...)) {
-            if constexpr ((needs_word_order<Rs>() || ...)) {
-                order = base::current_order();
-                if (order == word_order::unknown) return base::refused(errc::needs_word_order);
-                on.use(order);
-            }
+        if constexpr (((row_type<Rs>::words == 2) || ...)) {
+            order = base::current_order();
+            if (order == word_order::unknown) return base::refused(errc::needs_word_order);
+            on.use(order);
         }
         std::size_t used = 7;
         errc wrong = errc::ok;
         const auto put = [&](const auto& value, std::size_t words) {
             if (value.error() != errc::ok && wrong == errc::ok) wrong = value.error();
-            if constexpr (stores_words<decltype(value)>) {
-                check_whole<std::remove_cvref_t<decltype(value)>>();
-                value.store({frame_, sizeof frame_}, used, order);
-                used += 2 * words;
-            } else {
-                used += base::store_value(frame_, used, value.bits(), words, order);
-            }
+            used += base::store_value(frame_, used, value.bits(), words, order);
         };
         (put(values, row_type<Rs>::words), ...);
         if (wrong != errc::ok) return base::refused(wrong);

@@ -243,10 +243,13 @@ namespace detail {
 template <class Row> inline constexpr table table_of_row = table::holding_registers;
 template <class Row, std::size_t N>
 inline constexpr table table_of_row<reg_array<Row, N>> = table_of_row<Row>;
+// True for a row whose codec takes words.
+template <const auto& R>
+concept needs_words = takes_words<typename std::remove_cvref_t<decltype(R)>::value_type>;
 // The rows that the calls of any_device.hpp read: those of other tables, and those whose codec takes words.
 template <const auto& R>
 concept needs_table_calls = table_of_row<std::remove_cvref_t<decltype(R)>>
-!= table::holding_registers || takes_words<typename std::remove_cvref_t<decltype(R)>::value_type>;
+!= table::holding_registers || needs_words<R>;
 // The device of a row or of an array of rows.
 template <const auto& R>
 concept has_bits = table_of_row<std::remove_cvref_t<decltype(R)>>

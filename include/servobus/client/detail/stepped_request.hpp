@@ -123,23 +123,6 @@ template <class Link> class stepped_request {
             return begin_write(frame, 8, on, asks_first);
         }
     }
-    /// Writes a value that stores its words itself.
-    template <std::size_t Words, class Value>
-    constexpr errc begin_words(std::uint8_t* frame, u16 address, const Value& value, condition on,
-                               bool asks_first) {
-        if (!done()) return errc::busy;
-        const word_order order = value.needs_word_order ? current_order() : word_order::high_first;
-        if (order == word_order::unknown) return refused(errc::needs_word_order);
-        if constexpr (Words == 1) {
-            std::uint8_t word[2];
-            value.store(word, 0, order);
-            return begin_value<1>(frame, address, load_word(word, 0), on, asks_first);
-        } else {
-            if constexpr (Value::needs_word_order) on.use(order);
-            value.store({frame, 7 + 2 * Words}, 7, order);
-            return begin_block(frame, Words, address, on, asks_first);
-        }
-    }
     /// Writes the words that lie in `frame` from its byte 7 on.
     constexpr errc begin_block(std::uint8_t* frame, std::size_t words, u16 address, const condition& on,
                                bool asks_first = false) {

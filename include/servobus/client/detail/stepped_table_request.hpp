@@ -32,6 +32,24 @@ template <class Link> class stepped_table_request : public stepped_request<Link>
         return base::template begin<call_of::tables>(request_machine::read(), frame, size, part.address,
                                                      part.code());
     }
+    /// Writes a value that stores its words itself.
+    template <std::size_t Words, class Value>
+    constexpr errc begin_words(std::uint8_t* frame, u16 address, const Value& value,
+                               const typename base::condition& with, bool asks_first) {
+        if (!base::done()) return errc::busy;
+        const word_order order = value.needs_word_order ? base::current_order() : word_order::high_first;
+        if (order == word_order::unknown) return base::refused(errc::needs_word_order);
+        if constexpr (Words == 1) {
+            std::uint8_t word[2];
+            value.store(word, 0, order);
+            return base::template begin_value<1>(frame, address, load_word(word, 0), with, asks_first);
+        } else {
+            typename base::condition on = with;
+            if constexpr (Value::needs_word_order) on.use(order);
+            value.store({frame, 7 + 2 * Words}, 7, order);
+            return base::begin_block(frame, Words, address, on, asks_first);
+        }
+    }
     /// True if the response in `frame` may be the echo of the request that read `part`.
     constexpr bool is_echo(const table_extent& part, const std::uint8_t* frame) {
         return part.is_repeated_by({frame, 6}) && !base::is_echo_ruled_out();
