@@ -29,6 +29,7 @@ BEFORE = """#include <array>
 #include <fcntl.h>
 #include <servobus/servobus.hpp>
 #include <servobus/any_device.hpp>
+#include <servobus/any_value.hpp>
 #include <servobus/client/identification.hpp>
 #include <servobus/client/peer_node.hpp>
 #include <servobus/device/c630s.hpp>
@@ -41,6 +42,9 @@ BEFORE = """#include <array>
 #include <servobus/device/zlac8015d/robot.hpp>
 #include <servobus/posix/mbap.hpp>
 #include <servobus/posix/serial.hpp>
+#include <servobus/registers/value_forms.hpp>
+#include <servobus/server/row_values.hpp>
+#include <servobus/server/stored_number.hpp>
 #include <servobus/sim/c630s.hpp>
 #include <servobus/sim/line.hpp>
 #include <servobus/sim/station.hpp>
@@ -76,6 +80,14 @@ using units::millisecond;"""
 SENSOR = TANK + """inline posix::serial serial;
 inline line<posix::serial, counters, unechoed, modbus::open_lengths> wire{serial, modbus::timing_at(115200)};
 inline client io{wire, node<tank::device>{9}};"""
+SDM120 = """namespace sdm120 {
+struct device { static constexpr profile facts{.name = "sdm120"}; };
+inline constexpr input_reg<f32, device> voltage{0x0000, full<f32>, units::volt, no_default};
+}
+"""
+METER = """struct meter { static constexpr profile facts{.name = "meter"}; };
+template <class T> using ro = reg<T, access::ro, meter>;
+"""
 # What an example speaks of without making it: by header, or for all headers of a folder.
 LITERALS = "using namespace servobus::literals;\n"
 LIFT = LITERALS + WIRE + """inline constexpr auto screw = axis::of(lead(5_mm, counts_per_turn{1000}));
@@ -100,6 +112,12 @@ GIVEN = {
     "bus/plan.hpp": NODES,
     "bus/plan_entries.hpp": NODES,
     "any_device.hpp": TANK + WIRE,
+    "any_value.hpp": SDM120 + WIRE + "void show(i32);",
+    "registers/value_types.hpp": METER,
+    "registers/values.hpp": """struct oven { static constexpr profile facts{.name = "oven"}; };""",
+    "registers/value_forms.hpp": METER + """inline constexpr ro<f32> power{0x0000, full<f32>, units::watt, no_default};
+        inline constexpr ro<with<u16, servobus::high_byte>> hour{0x0002, full<u16>, no_unit, no_default};""",
+    "server/stored_number.hpp": SDM120 + "inline float measured;",
     "client/identification.hpp": SENSOR,
     "client/peer_node.hpp": TANK,
     "client/stepped_tables.hpp": SENSOR,

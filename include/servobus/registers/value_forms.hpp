@@ -51,7 +51,7 @@ template <class T>
 inline constexpr value_form kept_form = [] {
     using type = options_of<T>;
     value_form f;
-    if constexpr (is_text<typename type::base>) f.words = static_cast<std::uint8_t>(words_in<T>);
+    if constexpr (is_text_type<typename type::base>) f.words = static_cast<std::uint8_t>(words_in<T>);
     f.first_bit = static_cast<std::uint8_t>(type::all.first_bit);
     f.bits = static_cast<std::uint8_t>(type::all.bits);
     f.is_low_byte_first = type::all.is_low_byte_first;
@@ -67,7 +67,7 @@ inline constexpr value_form kept_form = [] {
 
 /// The form of a type; null if the kind says all.
 template <class T> constexpr const value_form* form_of_coded() {
-    constexpr bool is_plain = std::is_same_v<typename options_of<T>::base, T> && !is_text<T>;
+    constexpr bool is_plain = std::is_same_v<typename options_of<T>::base, T> && !is_text_type<T>;
     if constexpr (is_plain)
         return nullptr;
     else

@@ -5,12 +5,10 @@
 // number may have a scale in another row. All digits are exact; there is no floating point.
 // explain/explain.hpp includes it; tools include it.
 //
-//     constexpr entry voltage{0, "voltage", value_kind::float_pair, access::ro, unstated, no_default,
-//                             unit{measure::volt}, flag::none};
 //     constexpr auto room = [] {
 //         std::array<char, 16> text{};
 //         text_writer out{text};
-//         return put_row(out, voltage, std::array<u16, 2>{0x4366, 0x199A}), text; // "230.1 V"
+//         return put_row(out, *zlac8015d::catalogue.find(0x20A1), std::array<u16, 1>{4820}), text; // "48.20 V"
 //     }();
 #pragma once
 

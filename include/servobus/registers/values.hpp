@@ -5,7 +5,7 @@
 // header of a device with such rows includes it; a program includes any_value.hpp.
 //
 //     inline constexpr reg<f32, access::rw, oven> target{0x0010, {-20, 400}, units::degree_celsius, 21};
-//     constexpr register_value<oven::target> warm = 215.5f; // 401 and a NaN do not compile
+//     constexpr register_value<target> warm = 215.5f; // 401 and a NaN do not compile
 //     static_assert(warm.bits() == 0x43578000);
 #pragma once
 

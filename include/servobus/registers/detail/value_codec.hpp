@@ -50,8 +50,8 @@ template <std::size_t N> inline constexpr bool is_counted<bcd<N>> = true;
 template <std::size_t N> inline constexpr bool is_counted<sign_magnitude<N>> = true;
 template <class T, class... Options> inline constexpr bool is_counted<with<T, Options...>> = is_counted<T>;
 
-template <class T> inline constexpr bool is_text = false;
-template <std::size_t N> inline constexpr bool is_text<text_of<N>> = true;
+template <class T> inline constexpr bool is_text_type = false;
+template <std::size_t N> inline constexpr bool is_text_type<text_of<N>> = true;
 
 template <> inline constexpr bool takes_words<u64> = true;
 template <> inline constexpr bool takes_words<i64> = true;
@@ -61,14 +61,14 @@ template <class T, class... Options>
 inline constexpr bool takes_words<with<T, Options...>> = [] {
     using type = options_of<with<T, Options...>>;
     constexpr value_options o = type::all;
-    return words_in<T> > 2 || is_text<T> || o.bits != 0 || o.order != word_order::unknown ||
+    return words_in<T> > 2 || is_text_type<T> || o.bits != 0 || o.order != word_order::unknown ||
            o.is_low_byte_first || type::scale::exists;
 }();
 template <class T, class... Options>
 inline constexpr bool is_part<with<T, Options...>> = options_of<with<T, Options...>>::all.bits != 0;
 
 template <class T>
-concept coded_text = has_codec<T> && is_text<typename options_of<T>::base>;
+concept coded_text = has_codec<T> && is_text_type<typename options_of<T>::base>;
 
 /// The codec of numbers.
 template <class T>
