@@ -45,7 +45,7 @@ check(headers.no_table_unasked.clang LABELS compile
       COMMAND clang++ -std=c++20 -Iinclude -fsyntax-only -fconstexpr-steps=1000 -x c++ include/servobus/servobus.hpp)
 
 # Peers, in real time; one that cannot be installed is skipped. docs.readme_commands runs the main job.
-foreach(peer libmodbus with_pymodbus with_modbus_serial tshark mbpoll modbus_tcp late_network addresses)
+foreach(peer libmodbus with_pymodbus with_modbus_serial values tshark mbpoll modbus_tcp late_network addresses)
   check(peers.${peer} LABELS peers REAL_TIME COST 10 COMMAND ${python} tests/interop/${peer}.py ${tool}
       OF include/servobus/client include/servobus/server include/servobus/posix tests/interop)
 endforeach()

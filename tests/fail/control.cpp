@@ -267,6 +267,9 @@ struct model : zlac::model {
 };
 static_assert(sizeof(facade<model, line<some_port>>) != 0);
 
+using one_register = servobus::with<servobus::u16, servobus::bits<0, 3>>;
+using by_exponent = servobus::with<servobus::u16, servobus::ten_to<meters::exponent>>;
+
 int main() {
     some_drive drive;
     some_stepper stepper;
@@ -386,11 +389,11 @@ int main() {
     (void)meter.read<meters::mode, meters::level>();
     const servobus::i32 watts = meter.read<meters::power>()->value_or({}).count();
     const servobus::i32 volts = meter.read<meters::voltage>()->rounded(units::volt).value_or(0);
+    (void)watts;
+    (void)volts;
     (void)meter.write<meters::target>(399.5f);
     (void)meter.write<meters::target>(21.5f);
     (void)meter.write<meters::name>("8 LETTER");
-    using one_register = servobus::with<servobus::u16, servobus::bits<0, 3>>;
-    using by_exponent = servobus::with<servobus::u16, servobus::ten_to<meters::exponent>>;
     some_basin io;
     (void)io.write<basin::valve>(true);
     (void)io.write<basin::valve, basin::pump>(true, false);
