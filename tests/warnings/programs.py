@@ -17,10 +17,10 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
-# Clients of every kind and a server; servers of rows; the network's ports; the simulated drives with a bus, and the judges of a
-# drive; the facades over a serial port, robots and axes, and the explanation of frames. As few as possible: an analyser looks
-# at a header once for each program.
-ANALYSED = [f"tests/warnings/{name}.cpp" for name in ("clients", "servers", "network", "simulators", "facades")]
+# Clients of every kind and a server; servers of rows; the network's ports; values of every type; the simulated drives with a
+# bus, and the judges of a drive; the facades over a serial port, robots and axes, and the explanation of frames. As few as
+# possible: an analyser looks at a header once for each program.
+ANALYSED = [f"tests/warnings/{name}.cpp" for name in ("clients", "servers", "network", "values", "simulators", "facades")]
 SOURCE = ["-std=c++20", "-Iinclude", "-I."]
 STRICT = ["-Wall", "-Wextra", "-Werror"]
 CPPCHECK = ["--std=c++20", "--enable=warning,performance,portability", "--inline-suppr", "--error-exitcode=1", "-q"]
@@ -34,7 +34,7 @@ def commands(judge: str) -> list[list[str]]:
         return [["clang-tidy", "--quiet", "--checks=clang-diagnostic-*", program, "--", *SOURCE, "-Wall", "-Wextra"]
                 for program in ANALYSED]
     if judge == "cppcheck":
-        return [["cppcheck", *CPPCHECK, "-Iinclude", "-I.", program] for program in ANALYSED[:3]]
+        return [["cppcheck", *CPPCHECK, "-Iinclude", "-I.", program] for program in ANALYSED[:4]]
     sys.exit(__doc__)
 
 

@@ -7,6 +7,9 @@
 
 #include <servobus/modbus/server.hpp>
 
+#include "../streams/messages.hpp"
+#include "simulators.hpp"
+
 #ifdef _WIN32
 
 namespace tool {
@@ -33,9 +36,7 @@ template <class Model, class Server = servobus::modbus::server<Model>> class ser
 #include <servobus/posix/pseudo_terminal.hpp>
 #include <servobus/sim/faults.hpp>
 
-#include "../streams/messages.hpp"
 #include "../streams/streams.hpp"
-#include "simulators.hpp"
 
 namespace tool {
 

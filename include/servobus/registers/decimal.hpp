@@ -27,7 +27,7 @@ template <unit U> class decimal {
     constexpr decimal(std::int64_t count, int exponent)
         : magnitude_{count < 0 ? std::uint64_t{0} - static_cast<std::uint64_t>(count)
                                : static_cast<std::uint64_t>(count)},
-          is_negative_{count < 0}, exponent_{static_cast<std::int8_t>(exponent)} {}
+          is_negative_{count < 0}, exponent_{static_cast<std::int16_t>(exponent)} {}
     /// The same for a count of 64 bits without a sign.
     static constexpr decimal of_unsigned(std::uint64_t count, int exponent) {
         decimal d{0, exponent};
@@ -63,7 +63,7 @@ template <unit U> class decimal {
   private:
     std::uint64_t magnitude_ = 0;
     bool is_negative_ = false;
-    std::int8_t exponent_ = 0;
+    std::int16_t exponent_ = 0;
 };
 
 } // namespace servobus

@@ -213,9 +213,8 @@ template <const auto& R> constexpr auto reading_of(u32 bits) {
     using T = typename row_type<R>::value_type;
     if constexpr (std::is_same_v<T, bool>) { // a coil or a discrete input
         return bits != 0;
-    } else if constexpr (is_register_array<
-                             R>) { // clang++ asks for it before it drops an overload for one row
-        return detail::no_reading{};
+    } else if constexpr (is_register_array<R> || (!wire_value<T> && !detail::has_codec<T>)) {
+        return detail::no_reading{}; // clang++ asks for it before it drops an overload for one row
     } else if constexpr (detail::has_codec<T>) {
         static_assert(!detail::is_scaled<R>(),
                       "another row scales this one: name both, read<power, power_exponent>()");
@@ -223,10 +222,8 @@ template <const auto& R> constexpr auto reading_of(u32 bits) {
     } else if constexpr (wire_integer<T> && R.unit_of_count.of != measure::none &&
                          !has(R.flags, flag::scaled_elsewhere)) {
         return quantity<R.unit_of_count, T>{from_bits<T>(bits)};
-    } else if constexpr (wire_value<T>) {
+    } else {
         return from_bits<T>(bits);
-    } else { // the row's own error is the only one
-        return detail::no_reading{};
     }
 }
 

@@ -164,9 +164,8 @@ requires(detail::needs_table_calls<Rs> || ...) class readings<Rs...> {
             return (data_[from.offset + index / 8] >> index % 8 & 1u) != 0;
         } else if constexpr (detail::takes_words<typename row_type<R>::value_type>) {
             using codec = detail::codec<typename row_type<R>::value_type>;
-            const auto word_at = [&](std::size_t i) {
-                return load_word(bytes{data_}, from.offset + 2 * (index + i));
-            };
+            constexpr std::size_t first = from.offset + 2 * index;
+            const auto word_at = [this](std::size_t i) { return load_word(bytes{data_}, first + 2 * i); };
             if constexpr (detail::is_scaled<R>())
                 return codec::template value_in<R>(word_at, word_order_.value(), scale_of<codec>());
             else

@@ -17,7 +17,7 @@ namespace servobus::detail {
 /// True if the register, or the first or second word of it, has the address `setting`; 0: the device has no such
 /// setting.
 template <const auto& R> constexpr bool covers(u16 setting) {
-    return setting != 0 && setting >= R.address && setting < R.address + row_type<R>::words;
+    return setting != 0 && static_cast<u16>(setting - R.address) < row_type<R>::words;
 }
 /// True for a register that a client writes only by `write`, since what it has learned of its node depends on it.
 template <class Device, const auto& R>
