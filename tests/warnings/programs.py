@@ -34,7 +34,7 @@ def commands(judge: str) -> list[list[str]]:
         return [["clang-tidy", "--quiet", "--checks=clang-diagnostic-*", program, "--", *SOURCE, "-Wall", "-Wextra"]
                 for program in ANALYSED]
     if judge == "cppcheck":
-        return [["cppcheck", *CPPCHECK, "-Iinclude", "-I.", program] for program in ANALYSED[:4]]
+        return [["cppcheck", *CPPCHECK, "-Iinclude", "-I.", program] for program in ANALYSED[:3]]
     sys.exit(__doc__)
 
 
