@@ -8,6 +8,8 @@
 //     static_assert(!none && none.value_or(7) == 7 && *maybe{3} == 3);
 #pragma once
 
+#include <servobus/core/cxx20.hpp>
+
 namespace servobus {
 
 /// A `V`, or none.

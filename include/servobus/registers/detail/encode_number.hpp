@@ -32,7 +32,7 @@ inline constexpr range
 
 template <const auto& R, class F> constexpr encoded<F> encode_float(F v, bool is_limited) {
     if (v != v) return {F{}, errc::out_of_range};
-    constexpr F most = std::numeric_limits<F>::max();
+    constexpr F most = (std::numeric_limits<F>::max)();
     const F low = R.limits.is_stated ? static_cast<F>(R.limits.low) : -most;
     const F high = R.limits.is_stated ? static_cast<F>(R.limits.high) : most;
     if (v >= low && v <= high) return {v};
@@ -74,7 +74,7 @@ template <const auto& R, class Number, class V> constexpr encoded<Number> encode
                       "this register takes a number, or a quantity of its kind");
         if constexpr (sizeof(V) > sizeof(Number) && std::floating_point<V>) {
             // A double that no float holds must not be converted.
-            constexpr V most = std::numeric_limits<Number>::max();
+            constexpr V most = (std::numeric_limits<Number>::max)();
             if (v > most || v < -most)
                 return encode_float<R>(v > 0 ? std::numeric_limits<Number>::infinity()
                                              : -std::numeric_limits<Number>::infinity(),
