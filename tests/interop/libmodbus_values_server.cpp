@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// A Modbus RTU server of libmodbus that has the values of values.hpp, encoded and decoded by libmodbus' functions, until
-// it is killed. It prints each value that a request has changed.   libmodbus_values_server DEVICE
+// A Modbus RTU server of libmodbus that has the values of values.hpp, as libmodbus' functions decode them, until it is
+// killed. It prints each value that a request has changed.   libmodbus_values_server DEVICE
 #include <algorithm>
 #include <cerrno>
 #include <cstdio>
@@ -36,12 +36,25 @@ void split(words at, unsigned count, std::uint64_t raw, bool is_high_first) {
     if (!is_high_first) std::reverse(at, at + count);
 }
 
+// The words of which `get` makes the value. The functions that set floats have wrong bytes in libmodbus 3.1.6.
+void put_float(words at, float value, float (*get)(const std::uint16_t*)) {
+    std::uint32_t raw = 0;
+    std::memcpy(&raw, &value, sizeof raw);
+    const auto high = static_cast<std::uint16_t>(raw >> 16), low = static_cast<std::uint16_t>(raw & 0xFFFF);
+    const auto turned = [](std::uint16_t w) { return static_cast<std::uint16_t>(w << 8 | w >> 8); };
+    const std::uint16_t ways[][2] = {
+        {high, low}, {low, high}, {turned(high), turned(low)}, {turned(low), turned(high)}};
+    for (const auto& way : ways) {
+        if (get(way) == value) std::copy(way, way + 2, at);
+    }
+}
+
 void fill(words at, const value_set& v, bool is_high_first) {
     using namespace interop;
     std::uint64_t raw = 0;
     std::memcpy(&raw, &v.f64, sizeof raw);
-    (is_high_first ? modbus_set_float_abcd : modbus_set_float_cdab)(v.f32, at + f32_at);
-    (is_high_first ? modbus_set_float_badc : modbus_set_float_dcba)(v.swapped, at + swapped_at);
+    put_float(at + f32_at, v.f32, is_high_first ? modbus_get_float_abcd : modbus_get_float_cdab);
+    put_float(at + swapped_at, v.swapped, is_high_first ? modbus_get_float_badc : modbus_get_float_dcba);
     split(at + f64_at, 4, raw, is_high_first);
     split(at + u32_at, 2, v.u32, is_high_first);
     split(at + i32_at, 2, static_cast<std::uint32_t>(v.i32), is_high_first);

@@ -20,7 +20,7 @@ BIG = getattr(Endian, "BIG", None) or Endian.Big
 LITTLE = getattr(Endian, "LITTLE", None) or Endian.Little
 BLOCKS = {"high": (0x0100, BIG), "low": (0x0200, LITTLE)}
 WRITTEN_BEHIND = 0x0040
-# Name, place in a block, registers, the value at the start, the functions that encode and decode it, the order of bytes.
+# Name, place in a block, registers, the value at the start, its functions of pymodbus, the order of bytes.
 VALUES = [
     ("f32", 0, 2, 230.1, "32bit_float", BIG), ("f64", 2, 4, -12.5e-30, "64bit_float", BIG),
     ("u32", 6, 2, 4000000001, "32bit_uint", BIG), ("i32", 8, 2, -70000, "32bit_int", BIG),

@@ -276,14 +276,13 @@ constexpr row_scale unknown_scale(const entry& e) {
 constexpr row_scale scale_from(const entry& e, const entry& by, const row_value& v) {
     constexpr std::uint64_t largest_exponent = 10;
     row_scale scale{.is = row_scale::state::known};
-    if (v.is != row_value::state::number) {
+    const bool is_factor = e.form->scaled == scaling::factor;
+    if (v.is != row_value::state::number || (!is_factor && v.magnitude > largest_exponent)) {
         scale.is = row_scale::state::no_value;
-    } else if (e.form->scaled == scaling::factor) {
+    } else if (is_factor) {
         scale.is_negative = v.is_negative;
         scale.factor = v.magnitude;
         scale.worth = by.unit_of_count;
-    } else if (v.magnitude > largest_exponent) {
-        scale.is = row_scale::state::no_value;
     } else {
         scale.exponent = static_cast<int>(v.count());
     }

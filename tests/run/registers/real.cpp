@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The servobus authors
 // SPDX-License-Identifier: BSL-1.0
 //
-// Counts of floating-point numbers and of decimal exponents, compared with arithmetic of 128 bits. Compilers for i386 have
-// none: there the file is empty.
+// Counts of floating-point numbers and of decimal exponents, compared with arithmetic of 128 bits. Compilers for i386
+// have none: there the file is empty.
 #ifdef __SIZEOF_INT128__
 #include <doctest/doctest.h>
 
