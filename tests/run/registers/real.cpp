@@ -2,8 +2,7 @@
 // SPDX-License-Identifier: BSL-1.0
 //
 // Counts of floating-point numbers and of decimal exponents, compared with arithmetic of 128 bits. Compilers for i386
-// have none: there the file is empty.
-#ifdef __SIZEOF_INT128__
+// have none, and the numbers that are no values alone.
 #include <doctest/doctest.h>
 
 #include <cmath>
@@ -20,6 +19,20 @@ namespace real_tests {
 
 using namespace servobus;
 
+TEST_CASE_TEMPLATE("a NaN and an infinity are no values", F, float, double) {
+    using limits = std::numeric_limits<F>;
+    for (const F none :
+         {limits::quiet_NaN(), limits::signaling_NaN(), limits::infinity(), -limits::infinity()}) {
+        const real<unit{measure::volt}, F> v{none};
+        CHECK(!v.has_value());
+        CHECK(!v.rounded(units::volt));
+        CHECK(!v.rounded());
+    }
+    CHECK(real<unit{measure::volt}, F>{limits::max()}.has_value());
+    CHECK(*real<unit{}, F>{F{-2.5}}.rounded() == -3);
+}
+
+#ifdef __SIZEOF_INT128__
 namespace {
 __extension__ using wide = __int128;
 
@@ -93,19 +106,6 @@ TEST_CASE_TEMPLATE("a float is counted as arithmetic of 128 bits counts it", F, 
         compare_units(edge);
 }
 
-TEST_CASE_TEMPLATE("a NaN and an infinity are no values", F, float, double) {
-    using limits = std::numeric_limits<F>;
-    for (const F none :
-         {limits::quiet_NaN(), limits::signaling_NaN(), limits::infinity(), -limits::infinity()}) {
-        const real<unit{measure::volt}, F> v{none};
-        CHECK(!v.has_value());
-        CHECK(!v.rounded(units::volt));
-        CHECK(!v.rounded());
-    }
-    CHECK(real<unit{measure::volt}, F>{limits::max()}.has_value());
-    CHECK(*real<unit{}, F>{F{-2.5}}.rounded() == -3);
-}
-
 TEST_CASE("all exponents of a float have counts") {
     for (std::uint32_t bits = 0; bits < 0x7F80'0000u; bits += 0x0012'3457u) {
         float value = 0;
@@ -136,7 +136,6 @@ TEST_CASE("a decimal is counted as arithmetic of 128 bits counts it") {
     CHECK(decimal<unit{measure::watt}>{std::numeric_limits<std::int64_t>::min(), -10}.rounded(watt) ==
           -922'337'204);
 }
+#endif
 
 } // namespace real_tests
-
-#endif
