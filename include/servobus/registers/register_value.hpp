@@ -213,7 +213,7 @@ template <const auto& R> constexpr auto reading_of(u32 bits) {
     using T = typename row_type<R>::value_type;
     if constexpr (std::is_same_v<T, bool>) { // a coil or a discrete input
         return bits != 0;
-    } else if constexpr (is_register_array<R> || (!wire_value<T> && !detail::has_codec<T>)) {
+    } else if constexpr (is_register_array<R>) {
         return detail::no_reading{}; // clang++ asks for it before it drops an overload for one row
     } else if constexpr (detail::has_codec<T>) {
         static_assert(!detail::is_scaled<R>(),
@@ -222,8 +222,10 @@ template <const auto& R> constexpr auto reading_of(u32 bits) {
     } else if constexpr (wire_integer<T> && R.unit_of_count.of != measure::none &&
                          !has(R.flags, flag::scaled_elsewhere)) {
         return quantity<R.unit_of_count, T>{from_bits<T>(bits)};
-    } else {
+    } else if constexpr (wire_value<T>) {
         return from_bits<T>(bits);
+    } else { // the row's own error is the only one
+        return T{};
     }
 }
 
