@@ -125,7 +125,7 @@ constexpr bool add_offset(row_value& v, std::int64_t offset) {
 /// False if a digit is above 9.
 constexpr bool take_digits(row_value& v, unsigned width) {
     for (unsigned at = width; at != 0;) {
-        at -= 4;
+        at -= at % 4 == 0 ? 4 : at % 4; // the highest digit of a part may have fewer bits
         const std::uint64_t digit = v.bits >> at & 0xFu;
         if (digit > 9) return false;
         v.magnitude = 10 * v.magnitude + digit;
@@ -192,7 +192,7 @@ constexpr number_bits bits_of_number(const entry& e, bool is_negative, std::uint
         unsigned at = 0;
         for (; v.magnitude != 0 && at < width_of(e); at += 4, v.magnitude /= 10)
             found.bits |= v.magnitude % 10 << at;
-        found.fits = found.fits && v.magnitude == 0;
+        found.fits = found.fits && v.magnitude == 0 && found.bits <= all;
         return found;
     }
     if (is_sign_and_magnitude(e))

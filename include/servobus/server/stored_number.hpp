@@ -20,9 +20,6 @@
 namespace servobus {
 
 namespace detail {
-// Not constexpr on purpose: the row has no code for it.
-inline void this_row_has_no_code_that_means_no_value() {}
-
 /// The raw bits of what a read returned.
 template <class Codec, class T> constexpr u32 bits_of_value(const T& v) {
     if constexpr (is_real<T>::value)

@@ -4,11 +4,13 @@
 // The encodings of values, over all words of one register, and their entries in a catalogue.
 #include <doctest/doctest.h>
 
+#include <array>
 #include <cstdint>
 #include <cstring>
 #include <limits>
 
 #include <servobus/any_value.hpp>
+#include <servobus/registers/row_value.hpp>
 #include <servobus/registers/value_forms.hpp>
 
 #include <tests/support/every_value.hpp>
@@ -59,6 +61,38 @@ TEST_CASE("each word of one register is the number that its encoding states") {
     }
 }
 
+namespace {
+// The entry of a row, decoded at run time, against the row's type, decoded by the compiler's choice.
+template <const auto& R> void compare_with_entry(unsigned raw, bool has_value, std::int64_t count) {
+    const entry row = list("row", R);
+    const row_value found = value_of(row, bits_of_words(row, std::array<unsigned, 1>{raw}));
+    CAPTURE(raw);
+    CHECK((found.is == row_value::state::number) == has_value);
+    if (!has_value) return;
+    CHECK(found.count() == count);
+    const number_bits back = bits_of_number(row, count);
+    CHECK(back.fits);
+    CHECK(value_of(row, back.bits).count() == count);
+}
+} // namespace
+
+TEST_CASE("an entry decodes each word as the type of its row does") {
+    for (unsigned raw = 0; raw < 0x1'0000; raw += 3) {
+        const auto second = reading_of<seconds>(raw);
+        compare_with_entry<seconds>(raw, second.has_value(), second ? *second : 0);
+        const auto hour = reading_of<r::hour>(raw);
+        compare_with_entry<r::hour>(raw, hour.has_value(), hour ? *hour : 0);
+        const auto code = reading_of<two_codes>(raw);
+        compare_with_entry<two_codes>(raw, code.has_value(), code ? *code : 0);
+        compare_with_entry<signed_part>(raw, true, reading_of<signed_part>(raw));
+        compare_with_entry<shifted>(raw, true, reading_of<shifted>(raw));
+        compare_with_entry<r::torque>(raw, true, reading_of<r::torque>(raw).count());
+    }
+    const entry row = list("row", seconds);
+    CHECK(bits_of_number(row, 79).fits);
+    CHECK(!bits_of_number(row, 80).fits); // three bits of tens
+}
+
 TEST_CASE("what a row takes is what it reads") {
     for (int wanted = -33'000; wanted < 70'000; wanted += 7) {
         const register_value<shifted> v = checked(wanted);
@@ -85,6 +119,16 @@ TEST_CASE("64 bits have both ends") {
     CHECK(register_value<r::balance>{checked(raw(low))}.bits() == std::uint64_t{1} << 63);
     CHECK(register_value<r::balance>{checked(raw(high))}.bits() == std::uint64_t{high});
     CHECK(register_value<r::balance>{clamped(raw(most))}.bits() == std::uint64_t{high});
+    CHECK(register_value<r::balance>{checked(raw(most))}.error() == errc::out_of_range);
+    CHECK(register_value<r::energy>{checked(raw(most))}.bits() == most);
+    CHECK(register_value<r::energy>{clamped(raw(most))}.bits() == most);
+    CHECK(register_value<r::energy>{checked(quantity<unit{measure::watt_hour}, u64>{most})}.bits() == most);
+    CHECK(register_value<r::balance>{checked(quantity<unit{measure::watt_hour}, u64>{most})}.error() ==
+          errc::out_of_range);
+    // A product beyond 64 bits is no value that was asked for.
+    CHECK(register_value<r::energy>{checked(high / 500 * kilowatt_hour)}.error() == errc::out_of_range);
+    CHECK(register_value<r::balance>{checked(low / 500 * kilowatt_hour)}.error() == errc::out_of_range);
+    CHECK(register_value<r::energy>{checked(high / 1000 * kilowatt_hour)}.error() == errc::ok);
     CHECK(detail::codec<with<u64, or_none<-1>>>::value_of<wide_code>(most).has_value() == false);
     CHECK(*detail::codec<with<u64, or_none<-1>>>::value_of<wide_code>(most - 1) == most - 1);
     CHECK(detail::limited_product(high, 2) == high);

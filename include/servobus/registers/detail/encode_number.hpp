@@ -48,11 +48,47 @@ constexpr encoded<Number> encode_count(std::int64_t count, bool is_limited) {
     return {static_cast<Number>(count < within.low ? within.low : within.high)};
 }
 
+/// The integer in a number, in `raw`, or in a quantity.
+template <class V> constexpr auto integer_in(V v) {
+    if constexpr (is_raw<V>::value)
+        return v.value;
+    else if constexpr (is_quantity<V>::value)
+        return v.count();
+    else
+        return v;
+}
+/// An integer, `raw` or a quantity as a number of row `R`. `count_of` limits counts to 64 bits with a sign: what is
+/// beyond them is a number of a u64, or out of range.
+template <const auto& R, class Number, class V>
+constexpr encoded<Number> encode_integer(V v, bool is_limited) {
+    constexpr std::int64_t most = highest<std::int64_t>;
+    const counted c = count_of<R>(v);
+    if (c.error != errc::ok) return {Number{}, c.error};
+    constexpr ratio r = [] {
+        if constexpr (is_quantity<V>::value)
+            return conversion(V::unit_of_count, R.unit_of_count);
+        else
+            return ratio{};
+    }();
+    const auto integer = integer_in(v);
+    bool is_beyond = false;
+    if constexpr (std::is_same_v<decltype(integer), const u64>) {
+        is_beyond = integer > static_cast<u64>(most);
+        if constexpr (std::is_same_v<Number, u64> && r.numerator == r.denominator) {
+            if (is_beyond && !R.limits.is_stated) return {integer};
+        }
+    }
+    if constexpr (r.numerator != 1) {
+        const std::int64_t whole = widened(integer) / r.denominator;
+        is_beyond = is_beyond || whole > most / r.numerator || whole < -(most / r.numerator);
+    }
+    if (is_beyond && !is_limited) return {Number{}, errc::out_of_range};
+    return encode_count<R, Number>(c.count, is_limited);
+}
+
 /// `v` as a number of row `R`.
 template <const auto& R, class Number, class V> constexpr encoded<Number> encode(V v, bool is_limited) {
     using T = typename row_type<R>::value_type;
-    constexpr bool is_plain_u64 = std::is_same_v<Number, u64> && std::unsigned_integral<V> &&
-                                  sizeof(V) == 8 && !is_bool_or_character<V> && takes_bare_numbers<R>;
     if constexpr (codec<T>::is_enum) {
         static_assert(std::same_as<V, Number>, "this register takes a value of its own type");
         if constexpr (std::same_as<V, Number>) {
@@ -81,16 +117,10 @@ template <const auto& R, class Number, class V> constexpr encoded<Number> encode
                                        is_limited);
         }
         return encode_float<R>(static_cast<Number>(v), is_limited);
-    } else if constexpr (is_plain_u64) { // half of them are beyond a range
-        if (R.limits.is_stated || v <= static_cast<u64>(highest<std::int64_t>))
-            return encode_count<R, Number>(widened(v), is_limited);
-        return {v};
     } else {
         static_assert(!codec<T>::scale::exists || is_raw<V>::value,
                       "another row scales this one: give a count by raw()");
-        const counted c = count_of<R>(v);
-        if (c.error != errc::ok) return {Number{}, c.error};
-        return encode_count<R, Number>(c.count, is_limited);
+        return encode_integer<R, Number>(v, is_limited);
     }
 }
 
